@@ -1,0 +1,27 @@
+#include "backends/backends.hpp"
+
+#include <array>
+
+#include "backends/dvi/world_dvi.hpp"
+#include "core/error.hpp"
+
+namespace repose {
+
+std::span<const Backend> backends() {
+  static const std::array<Backend, 1> table{{
+      {"dvi", "non-smooth dynamics: cone complementarity with rolling and spinning friction and cohesion, large steps",
+       dvi::unsupported, dvi::make_world},
+  }};
+  return table;
+}
+
+const Backend& find_backend(std::string_view name) {
+  std::string known;
+  for (const Backend& backend : backends()) {
+    if (backend.name == name) return backend;
+    known += (known.empty() ? "" : ", ") + backend.name;
+  }
+  throw Error("--backend", "there is no backend \"" + std::string(name) + "\"", "known backends: " + known);
+}
+
+}  // namespace repose

@@ -1,0 +1,23 @@
+#pragma once
+/// Scenes from YAML, with errors that name file, line, key, what was expected and the nearest valid key.
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/scene.hpp"
+
+namespace repose {
+
+/// `--set key.path=value`: replaces one key of the scene before it is read. Values are YAML.
+struct Override {
+  std::string path, value;
+};
+
+Scene load_scene(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
+
+/// As above from text; `name` stands for the file name in messages, `folder` is where relative file names start.
+Scene parse_scene(const std::string& text, const std::string& name, const std::vector<Override>& overrides = {},
+                  const std::filesystem::path& folder = ".");
+
+}  // namespace repose

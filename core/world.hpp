@@ -1,0 +1,80 @@
+#pragma once
+/// The interface of a backend: a world that steps, tells its state and contacts, and can be saved and restored.
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/model.hpp"
+
+namespace repose {
+
+/// What happened in one step; also the record of how far the solver got. Non-convergence is data, never hidden.
+struct StepReport {
+  int contacts = 0;          ///< contact points in the problem
+  int iterations = 0;        ///< of the solver, all passes together
+  double residual = 0;       ///< relative, of the exact law (see backends/dvi/cone_problem.hpp); 0 if not defined
+  bool converged = true;     ///< residual <= tolerance
+  bool cycling = false;      ///< the solver's fixed point was seen to cycle and its fallback rule was used
+  double penetration = 0;    ///< deepest overlap at the end of the step, by geometry [m], >= 0
+  double contact_work = 0;   ///< work of all contact impulses of this step [J]; <= 0 up to rounding when no tool moves
+};
+
+/// One contact point with the force that acted during the last step.
+struct Contact {
+  int a = -1, b = -1;                  ///< bodies, a < b
+  Vec3 point = Vec3::Zero();           ///< [m], world
+  Vec3 normal = Vec3::UnitZ();         ///< unit, from a to b, world
+  double gap = 0;                      ///< [m], > 0 apart
+  Vec3 force = Vec3::Zero();           ///< on b [N], world (impulse / step)
+  Vec3 torque = Vec3::Zero();          ///< rolling and spinning resistance on b [N m], world
+};
+
+/// The complete state of a world: what a checkpoint holds. `arrays` is the backend's own (impulses for the warm start,
+/// contact ids, orderings); only the backend that wrote it can read it.
+struct Frame {
+  std::int64_t step = 0;
+  Snapshot state;
+  std::map<std::string, std::vector<double>> numbers;
+  std::map<std::string, std::vector<std::int64_t>> integers;
+};
+
+class World {
+ public:
+  virtual ~World() = default;
+  /// Advances by dt [s] under the loads. Throws Error (Kind::simulation) if the state stops being finite.
+  virtual StepReport step(double dt, const BodyLoads& loads) = 0;
+  virtual void read(Snapshot& state) const = 0;
+  /// Contact points of the last step, in a fixed order; those without force included.
+  virtual void read(std::vector<Contact>& contacts) const = 0;
+  virtual void save(Frame& frame) const = 0;
+  /// Continues from `frame` bit for bit (if the backend can: DVI does). Throws Error if it does not fit the model.
+  virtual void restore(const Frame& frame) = 0;
+};
+
+enum class SolverKind : std::uint8_t { gauss_seidel, apgd, barzilai_borwein };
+enum class ContactLaw : std::uint8_t { exact, relaxed };
+
+struct SolverOptions {
+  double time_step = 1e-4;     ///< h [s], > 0
+  double tolerance = 1e-3;     ///< on the relative residual, > 0
+  int max_iterations = 1000;   ///< > 0, per step
+  SolverKind kind = SolverKind::gauss_seidel;
+  ContactLaw law = ContactLaw::exact;
+  bool warm_start = true;
+  int threads = 1;             ///< >= 1; never changes the result
+  double search_margin = 1;    ///< >= 1, multiplies the contact search distance; must not change results
+  bool operator==(const SolverOptions&) const = default;
+};
+
+/// One row of the table of backends (backends/backends.hpp).
+struct Backend {
+  std::string name;
+  std::string summary;
+  /// Physics of the model that this backend cannot do, by scene key; empty if all can be done.
+  std::vector<std::string> (*unsupported)(const Model&);
+  std::unique_ptr<World> (*make)(const Model&, const SolverOptions&);
+};
+
+}  // namespace repose
