@@ -18,7 +18,9 @@ struct GrainProportions {
   Vec3 side_ellipsoid{1.2, 0.6, 0.6};    ///< semi-axes; the first is radial, centred on the sphere's surface
   Vec3 piercing_ellipsoid{2.0, 0.5, 0.5};  ///< semi-axes; coaxial with the twin
 
-  /// Every elongation (the excess of the shape over the sphere along its axis) multiplied by `factor` > 0.
+  /// Every elongation multiplied by `factor` > 0: the excess of the shape over the main sphere along the axis, that is
+  /// aspect - 1, twin_distance, uneven_twin_distance + uneven_twin_radius - 1, cone_apex - 1, side_ellipsoid.x and
+  /// piercing_ellipsoid.x - 1. Widths stay. A factor that takes a shape apart is an Error of make_grain_shape.
   GrainProportions with_aspect(double factor) const;
 };
 

@@ -84,13 +84,15 @@ struct Shape {
 };
 
 /// Builds a shape from parts: validates each, computes the mass of the union, turns the frame principal.
-/// Half-spaces and revolved solids get infinite mass and keep their frame. Throws Error.
+/// A shape with a half-space or a revolved solid keeps its frame, and its `mass` stays zero: it cannot be dynamic.
+/// Throws Error.
 Shape make_shape(std::string kind, std::vector<Part> parts);
 
 /// Radius of the ball about the primitive's own origin that holds it [m].
 double bounding_radius(const Primitive& primitive);
 
-/// Smallest and largest distance scale of the primitive's features [m], for plausibility checks.
+/// The thinnest dimension of the primitive [m], for plausibility checks: a grain that moves this far in a step may pass
+/// through. Revolved: its shortest edge; mesh: the shortest side of its bounding box; half-space: infinite.
 double smallest_extent(const Primitive& primitive);
 
 /// True if the point [m] (in the primitive's frame) lies inside or on it. For tests and for packing fractions.
