@@ -1,0 +1,133 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "core/scene_yaml_blocks.hpp"
+
+namespace repose {
+namespace {
+
+struct Kind {
+  std::string name;
+  Effect (*read)(const YamlReader&);
+};
+
+Effect read_tilt(const YamlReader& reader) {
+  reader.only({"x_deg", "y_deg"});
+  GravityTilt tilt;
+  reader.read("x_deg", tilt.x_deg, degrees(-180, 180));
+  reader.read("y_deg", tilt.y_deg, degrees(-180, 180));
+  return tilt;
+}
+
+Effect read_uniform(const YamlReader& reader) {
+  reader.only({"force"});
+  UniformForce force;
+  reader.require("force", force.force, any(dimension::force));
+  return force;
+}
+
+Effect read_linear_drag(const YamlReader& reader) {
+  reader.only({"viscosity"});
+  LinearDrag drag;
+  reader.require("viscosity", drag.viscosity, positive(dimension::viscosity));
+  return drag;
+}
+
+Effect read_quadratic_drag(const YamlReader& reader) {
+  reader.only({"coefficient", "fluid_density"});
+  QuadraticDrag drag;
+  reader.require("coefficient", drag.coefficient, non_negative(dimension::none));
+  reader.require("fluid_density", drag.fluid_density, positive(dimension::density));
+  return drag;
+}
+
+Effect read_finite_reynolds_drag(const YamlReader& reader) {
+  reader.only({"viscosity", "fluid_density"});
+  FiniteReynoldsDrag drag;
+  reader.require("viscosity", drag.viscosity, positive(dimension::viscosity));
+  reader.require("fluid_density", drag.fluid_density, positive(dimension::density));
+  return drag;
+}
+
+Effect read_buoyancy(const YamlReader& reader) {
+  reader.only({"fluid_density"});
+  Buoyancy buoyancy;
+  reader.require("fluid_density", buoyancy.fluid_density, positive(dimension::density));
+  return buoyancy;
+}
+
+const std::vector<Kind>& kinds() {
+  static const std::vector<Kind> table{{"gravity_tilt", read_tilt},
+                                       {"uniform_force", read_uniform},
+                                       {"linear_drag", read_linear_drag},
+                                       {"quadratic_drag", read_quadratic_drag},
+                                       {"finite_reynolds_drag", read_finite_reynolds_drag},
+                                       {"buoyancy", read_buoyancy}};
+  return table;
+}
+
+// Names of the library of effects that no block of this version can hold, each with what to do instead.
+struct Unavailable {
+  std::string name, instead;
+};
+
+const std::vector<Unavailable>& unavailable() {
+  const std::string remove = "remove it; this version cannot simulate it";
+  const std::string pair = "write it under `pairs: {a-b: {...}}`";
+  static const std::vector<Unavailable> table{
+      {"friction", pair},
+      {"rolling_friction", pair},
+      {"spinning_friction", pair},
+      {"restitution", pair},
+      {"cohesion", pair},
+      {"wall_friction", "write it as `friction` of the pair that holds the wall's material"},
+      {"magnus", remove},
+      {"periodic_force", remove},
+      {"rate_dependent_friction", remove},
+      {"anisotropic_friction", remove},
+      {"rate_dependent_restitution", remove},
+      {"liquid_bridge", remove},
+      {"contact_compliance", remove},
+      {"thermal_softening", remove},
+      {"base_vibration", "write `motion: {vibration_amplitude, vibration_frequency}` under the tool"},
+      {"moving_wall_speed", "change the `motion` of the tool"},
+      {"grain_shape", "write `aspect` under the population in `grains`"},
+      {"size_distribution", "change `size` under the population in `grains`"},
+      {"inertia", "write `inertia` under the body in `bodies`"},
+      {"center_of_mass_offset", remove},
+      {"length_scale", remove},
+      {"time_scale", remove},
+      {"time_offset", remove},
+      {"frame_tilt", remove},
+      {"sensor_bias", remove},
+      {"time_step", "write it under `solver`"},
+      {"solver_tolerance", "write `tolerance` under `solver`"},
+      {"engine_law", "write `law` under `solver`"}};
+  return table;
+}
+
+const Kind& find_kind(const std::string& name, const YamlReader& reader) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) {
+    if (kind.name == name) return kind;
+    names.push_back(kind.name);
+  }
+  for (const Unavailable& other : unavailable())
+    if (other.name == name)
+      reader.fail(fmt::format("effect `{}` is known, but not available under `effects` in this version", name),
+                  other.instead);
+  const Suggestion suggestion = suggest("unknown effect", name, names);
+  reader.fail(suggestion.problem, suggestion.remedy);
+}
+
+}  // namespace
+
+void read_effects(const YamlReader& block, Scene& scene) {
+  std::vector<std::pair<std::string, YamlReader>> entries = block.named();
+  // The order of effects is that of their names: it must not depend on how the file was written.
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [name, reader] : entries) scene.effects.push_back(find_kind(name, reader).read(reader));
+}
+
+}  // namespace repose
