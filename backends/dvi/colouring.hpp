@@ -1,0 +1,20 @@
+#pragma once
+/// Groups contacts so that no two of one group share a dynamic body: they can be solved at the same time.
+#include <cstdint>
+#include <vector>
+
+#include "backends/dvi/cone_problem.hpp"
+
+namespace repose::dvi {
+
+struct Colouring {
+  std::vector<std::int32_t> order;  ///< contact indices, colour after colour, ascending within a colour
+  std::vector<std::int32_t> start;  ///< of each colour in `order`; one more entry than colours
+  int colours() const { return static_cast<int>(start.size()) - 1; }
+};
+
+/// Greedy, in the order of the contacts: each takes the first colour that is free at both of its bodies. At most one more
+/// colour than the sum of two bodies' contacts; linear in the number of contacts. Depends on the list of contacts alone.
+Colouring colour_contacts(const ConeProblem& problem);
+
+}  // namespace repose::dvi

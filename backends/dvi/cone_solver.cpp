@@ -1,0 +1,116 @@
+#include "backends/dvi/cone_solver.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "backends/dvi/gauss_seidel.hpp"
+#include "backends/dvi/packed_problem.hpp"
+#include "backends/dvi/projected_gradient.hpp"
+#include "backends/dvi/residual.hpp"
+
+namespace repose::dvi {
+
+namespace {
+
+constexpr std::size_t single_precision_above = 2000;  // contacts
+constexpr int stagnation_iterations = 100;
+constexpr double stagnation_ratio = 0.98;
+constexpr double hopeless = 0.5;
+
+/// Watches the best residual; tells when it has stood still for too long.
+class StagnationWatch {
+ public:
+  bool stands_still(double residual, int iterations) {
+    if (residual < stagnation_ratio * reference_) {
+      reference_ = residual;
+      since_ = iterations;
+      return false;
+    }
+    if (iterations - since_ < stagnation_iterations) return false;
+    since_ = iterations;
+    return true;
+  }
+
+ private:
+  double reference_ = std::numeric_limits<double>::infinity();
+  int since_ = 0;
+};
+
+template <class Real>
+struct Iterate {
+  double residual = std::numeric_limits<double>::infinity();
+  std::vector<Batch<Real>> batches;
+};
+
+template <class Real>
+SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& options, const Colouring& colouring,
+                         std::span<Impulse> impulse, std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity) {
+  // Few contacts are not worth waking a thread for.
+  const int threads = problem.contacts.size() < 1000 ? 1 : options.threads;
+  PackedProblem<Real> packed = pack<Real>(problem, colouring, impulse, threads);
+  SolveReport report;
+  report.bytes = packed.bytes();
+  report.residual = residual(packed, options.law, threads);
+
+  std::optional<ProjectedGradient<Real>> gradient;
+  if (options.kind != SolverKind::gauss_seidel) gradient.emplace(packed, problem, options.kind, options.law, threads);
+
+  StagnationWatch watch;
+  Iterate<Real> best;
+  double damping = 1;
+  int stride = 4;  // iterations between two looks at the residual, which costs about half an iteration
+  while (report.residual > options.tolerance && report.iterations < options.max_iterations) {
+    const int n = std::min(stride, options.max_iterations - report.iterations);
+    if (gradient) {
+      report.iterations += gradient->phase(std::max(n, 4));
+    } else {
+      gauss_seidel(packed, options.law, n, damping, threads);
+      report.iterations += n;
+    }
+    report.residual = residual(packed, options.law, threads);
+    stride = std::min(stride + 2, 16);
+    if (report.cycling && report.residual < best.residual) {
+      best.residual = report.residual;
+      best.batches = packed.batches;
+    }
+    if (watch.stands_still(report.residual, report.iterations)) {
+      report.cycling = true;
+      damping = std::max(0.25, 0.5 * damping);
+      gradient.reset();
+    }
+  }
+  if (best.residual < report.residual) {
+    packed.batches = best.batches;
+    report.residual = best.residual;
+  }
+  if (options.law == ContactLaw::exact && report.residual > std::max(hopeless, options.tolerance)) {
+    SolverOptions convex = options;
+    convex.law = ContactLaw::relaxed;
+    const double exact_residual = report.residual;
+    const SolveReport other = solve_packed<Real>(problem, convex, colouring, impulse, velocity, angular_velocity);
+    report.iterations += other.iterations;
+    report.residual = exact_residual;
+    report.converged = false;
+    report.cycling = true;
+    return report;
+  }
+  unpack(packed, problem, impulse, velocity, angular_velocity);
+  report.converged = report.residual <= options.tolerance;
+  return report;
+}
+
+}  // namespace
+
+SolveReport solve(const ConeProblem& problem, const SolverOptions& options, std::span<Impulse> impulse,
+                  std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity) {
+  velocity = problem.velocity;
+  angular_velocity = problem.angular_velocity;
+  if (problem.contacts.empty()) return {};
+  const Colouring colouring = colour_contacts(problem);
+  if (problem.contacts.size() > single_precision_above && options.tolerance >= 1e-5)
+    return solve_packed<float>(problem, options, colouring, impulse, velocity, angular_velocity);
+  return solve_packed<double>(problem, options, colouring, impulse, velocity, angular_velocity);
+}
+
+}  // namespace repose::dvi

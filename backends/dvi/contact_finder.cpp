@@ -1,0 +1,216 @@
+#include "backends/dvi/contact_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+namespace repose::dvi {
+
+namespace {
+
+constexpr std::size_t chunk_size = 256;  // bodies whose contacts are found by one thread at a time
+constexpr double resting_margin = 0.02;  // of the radius
+
+}  // namespace
+
+ContactFinder::ContactFinder(const Model& model, double unit) : model_(model), unit_(unit) {
+  const std::size_t n = model.bodies.size();
+  first_part_.push_back(0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Body& body = model.bodies[i];
+    const Shape& shape = model.shapes[static_cast<std::size_t>(body.shape)];
+    (body.dynamic ? dynamic_ : prescribed_).push_back(static_cast<std::int32_t>(i));
+    const double scale = body.scale / unit;
+    bound_.push_back(shape.bounding_radius * scale);
+    base_margin_.push_back(body.dynamic ? resting_margin * body.radius / unit
+                                        : std::numeric_limits<double>::infinity());
+    for (const Part& part : shape.parts) {
+      PlacedPart placed;
+      placed.primitive.primitive = &part.primitive;
+      placed.primitive.scale = scale;
+      placed.bound = bounding_radius(part.primitive) * scale;
+      if (const auto* sphere = std::get_if<Sphere>(&part.primitive)) {
+        placed.is_sphere = true;
+        placed.radius = sphere->radius * scale;
+      }
+      parts_.push_back(placed);
+    }
+    first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
+  }
+  for (const PairLaw& law : model.laws) {
+    const double range = law.cohesion > 0 ? law.cohesion_range / unit : 0.0;
+    cohesion_range_.push_back(range);
+    widest_cohesion_ = std::max(widest_cohesion_, range);
+  }
+  fast_.resize(n);
+}
+
+void ContactFinder::place_parts(const Placement& placement, int threads) {
+  const auto n = static_cast<std::ptrdiff_t>(model_.bodies.size());
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const auto body = static_cast<std::size_t>(i);
+    const Body& b = model_.bodies[body];
+    const Shape& shape = model_.shapes[static_cast<std::size_t>(b.shape)];
+    const double scale = b.scale / unit_;
+    for (std::size_t k = 0; k < shape.parts.size(); ++k) {
+      PlacedPrimitive& placed = parts_[static_cast<std::size_t>(first_part_[body]) + k].primitive;
+      const Pose& pose = shape.parts[k].pose;
+      placed.position = placement.position[body] + placement.rotation[body] * (scale * pose.position);
+      placed.rotation = placement.rotation[body] * pose.orientation.toRotationMatrix();
+    }
+  }
+}
+
+void ContactFinder::local_speeds(const Placement& placement) {
+  // The largest speed in each cell of a coarse grid and its 26 neighbours.
+  double widest = 0;
+  for (std::int32_t i : dynamic_) widest = std::max(widest, bound_[static_cast<std::size_t>(i)]);
+  const double inverse = widest > 0 ? 1 / (4 * widest) : 1;
+  const auto cell = [&](const Vec3& x, int k) {
+    return static_cast<std::int64_t>(std::floor(std::clamp(x[k] * inverse, -1e6, 1e6)));
+  };
+  const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return (static_cast<std::uint64_t>(x + 1048576) << 42) ^ (static_cast<std::uint64_t>(y + 1048576) << 21) ^
+           static_cast<std::uint64_t>(z + 1048576);
+  };
+  struct Cell {
+    std::int64_t x, y, z;
+    double speed;
+  };
+  std::unordered_map<std::uint64_t, double> fastest;
+  std::vector<Cell> cells;
+  fastest.reserve(dynamic_.size() / 4 + 16);
+  for (std::int32_t i : dynamic_) {
+    const auto body = static_cast<std::size_t>(i);
+    const Vec3& x = placement.position[body];
+    const std::int64_t cx = cell(x, 0), cy = cell(x, 1), cz = cell(x, 2);
+    const auto [at, is_new] = fastest.try_emplace(key(cx, cy, cz), 0.0);
+    if (is_new) cells.push_back({cx, cy, cz, 0});
+    at->second = std::max(at->second, placement.speed[body]);
+  }
+  for (Cell& c : cells)
+    for (std::int64_t dz = -1; dz <= 1; ++dz)
+      for (std::int64_t dy = -1; dy <= 1; ++dy)
+        for (std::int64_t dx = -1; dx <= 1; ++dx) {
+          const auto at = fastest.find(key(c.x + dx, c.y + dy, c.z + dz));
+          if (at != fastest.end()) c.speed = std::max(c.speed, at->second);
+        }
+  std::unordered_map<std::uint64_t, double> near;
+  near.reserve(cells.size());
+  for (const Cell& c : cells) near.emplace(key(c.x, c.y, c.z), c.speed);
+  for (std::int32_t i : dynamic_) {
+    const auto body = static_cast<std::size_t>(i);
+    const Vec3& x = placement.position[body];
+    fast_[body] = near.find(key(cell(x, 0), cell(x, 1), cell(x, 2)))->second;
+  }
+  for (std::int32_t i : prescribed_) fast_[static_cast<std::size_t>(i)] = placement.speed[static_cast<std::size_t>(i)];
+}
+
+double ContactFinder::pair_margin(std::int32_t a, std::int32_t b) const {
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  const Body& body_a = model_.bodies[i];
+  const Body& body_b = model_.bodies[j];
+  // Against a tool, whose speed is not among its neighbours', the two add up; between grains the faster one counts, for
+  // both speeds are already the largest of the neighbourhood.
+  const double approach = body_a.dynamic && body_b.dynamic ? std::max(fast_[i], fast_[j]) : fast_[i] + fast_[j];
+  const double margin = approach + std::min(base_margin_[i], base_margin_[j]);
+  const double cohesion = cohesion_range_[static_cast<std::size_t>(body_a.material) * model_.materials.size() +
+                                          static_cast<std::size_t>(body_b.material)];
+  return search_margin_ * std::max(margin, cohesion);
+}
+
+void ContactFinder::collide_bodies(std::int32_t a, std::int32_t b, double margin, std::vector<ContactPoint>& scratch,
+                                   std::vector<FoundContact>& out) const {
+  if (a > b) std::swap(a, b);
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  const std::uint64_t bodies = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
+  const auto gate_open = [&](const Body& body, double gap) {
+    return !body.active.empty() && gap < -body.gate_tolerance / unit_;
+  };
+  for (std::int32_t p = first_part_[i]; p < first_part_[i + 1]; ++p)
+    for (std::int32_t q = first_part_[j]; q < first_part_[j + 1]; ++q) {
+      const PlacedPart& x = parts_[static_cast<std::size_t>(p)];
+      const PlacedPart& y = parts_[static_cast<std::size_t>(q)];
+      const Vec3 d = y.primitive.position - x.primitive.position;
+      const double reach = x.bound + y.bound + margin;
+      const double squared = d.squaredNorm();
+      if (squared > reach * reach) continue;
+      scratch.clear();
+      if (x.is_sphere && y.is_sphere) {
+        const double distance = std::sqrt(squared);
+        ContactPoint point;
+        point.normal = distance > 0 ? Vec3(d / distance) : Vec3::UnitZ();
+        point.gap = distance - (x.radius + y.radius);
+        point.point = x.primitive.position + (x.radius + 0.5 * point.gap) * point.normal;
+        if (point.gap <= margin) scratch.push_back(point);
+      } else {
+        collide(x.primitive, y.primitive, margin, scratch);
+      }
+      const std::uint64_t part_pair = static_cast<std::uint64_t>(p - first_part_[i]) << 48 |
+                                      static_cast<std::uint64_t>(q - first_part_[j]) << 32;
+      for (const ContactPoint& point : scratch) {
+        if (gate_open(model_.bodies[i], point.gap) || gate_open(model_.bodies[j], point.gap)) continue;
+        out.push_back({{bodies, part_pair | point.feature}, point});
+      }
+    }
+}
+
+const std::vector<FoundContact>& ContactFinder::find(const Placement& placement, double step, double search_margin,
+                                                     int threads) {
+  search_margin_ = search_margin;
+  present_ = placement.present;
+  place_parts(placement, threads);
+  local_speeds(placement);
+  for (double& f : fast_) f *= step;
+
+  centre_.clear();
+  reach_.clear();
+  for (std::int32_t i : dynamic_) {
+    const auto body = static_cast<std::size_t>(i);
+    centre_.push_back(placement.position[body]);
+    // Half of the pair's margin from either side would do for equal ones; the whole from both is safe for all.
+    reach_.push_back(bound_[body] + search_margin * std::max(fast_[body] + base_margin_[body], widest_cohesion_));
+  }
+  broad_.build(centre_, reach_);
+  order_.clear();
+  for (std::int32_t i : broad_.order()) order_.push_back(dynamic_[static_cast<std::size_t>(i)]);
+
+  const std::size_t chunks = (order_.size() + chunk_size - 1) / chunk_size;
+  chunk_.resize(std::max(chunk_.size(), chunks));
+#pragma omp parallel num_threads(threads) if (threads > 1)
+  {
+    std::vector<ContactPoint> scratch;
+#pragma omp for schedule(dynamic)
+    for (std::ptrdiff_t chunk = 0; chunk < static_cast<std::ptrdiff_t>(chunks); ++chunk) {
+      std::vector<FoundContact>& out = chunk_[static_cast<std::size_t>(chunk)];
+      out.clear();
+      const std::size_t first = static_cast<std::size_t>(chunk) * chunk_size;
+      for (std::size_t rank = first; rank < std::min(first + chunk_size, order_.size()); ++rank) {
+        const std::int32_t a = order_[rank];
+        if (!present_[static_cast<std::size_t>(a)]) continue;
+        broad_.partners(rank, [&](std::int32_t other) {
+          const std::int32_t b = dynamic_[static_cast<std::size_t>(other)];
+          if (present_[static_cast<std::size_t>(b)]) collide_bodies(a, b, pair_margin(a, b), scratch, out);
+        });
+        for (std::int32_t tool : prescribed_) {
+          const auto t = static_cast<std::size_t>(tool);
+          if (!present_[t]) continue;
+          const double margin = pair_margin(a, tool);
+          const double reach = bound_[static_cast<std::size_t>(a)] + bound_[t] + margin;
+          if (std::isfinite(reach) && (placement.position[t] - placement.position[static_cast<std::size_t>(a)]).squaredNorm() >
+                                          reach * reach)
+            continue;
+          collide_bodies(a, tool, margin, scratch, out);
+        }
+      }
+    }
+  }
+  found_.clear();
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+    found_.insert(found_.end(), chunk_[chunk].begin(), chunk_[chunk].end());
+  return found_;
+}
+
+}  // namespace repose::dvi

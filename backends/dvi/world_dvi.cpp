@@ -1,0 +1,399 @@
+#include "backends/dvi/world_dvi.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "backends/dvi/cone_solver.hpp"
+#include "backends/dvi/contact_finder.hpp"
+#include "backends/dvi/impact.hpp"
+#include "backends/dvi/separation.hpp"
+#include "backends/dvi/units.hpp"
+#include "core/error.hpp"
+
+namespace repose::dvi {
+
+namespace {
+
+constexpr double penetration_slop = 1e-3;  // of R*: deeper overlap is removed, shallower is left alone
+
+Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * diagonal.asDiagonal() * rotation.transpose(); }
+
+/// A contact of the last step with its impulse, in world axes so that a turned frame changes nothing.
+struct KeptImpulse {
+  ContactId id;
+  Vec3 force = Vec3::Zero();   ///< impulse on b
+  Vec3 couple = Vec3::Zero();  ///< on b
+};
+
+class WorldDvi final : public World {
+ public:
+  WorldDvi(const Model& model, const SolverOptions& options)
+      : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length) {
+    const std::size_t n = model.bodies.size();
+    slot_.assign(n, -1);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Body& body = model.bodies[i];
+      mass_.push_back(body.mass / units_.mass);
+      inertia_.push_back(body.inertia / (units_.mass * units_.length * units_.length));
+      isotropic_.push_back(body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z());
+    }
+    load_state(model.initial);
+  }
+
+  StepReport step(double dt, const BodyLoads& loads) override {
+    if (!(dt > 0) || !std::isfinite(dt)) throw Error("step", "the time step must be a positive number", "");
+    if (loads.force.size() != model_.bodies.size())
+      throw Error("step", "the loads are not those of this model", "fill them with evaluate_loads()");
+    const double h = dt / units_.time;
+    place_prescribed(dt);
+    free_velocities(h, loads);
+    const std::vector<FoundContact>& found = finder_.find(placement(h), h, options_.search_margin, options_.threads);
+    build_problem(found, h);
+    warm_start(found, h);
+    SolveReport solved = solve_with_impacts(problem_, impact_, h, options_, impulse_, velocity_after_, angular_after_);
+    StepReport report = report_of(found, solved);
+    remove_penetration(found, h);
+    advance(h);
+    keep_impulses(found, h);
+    time_ += dt;
+    last_step_ = h;
+    return report;
+  }
+
+  void read(Snapshot& state) const override {
+    state.resize(model_.bodies.size());
+    state.time = time_;
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      state.position[i] = position_[i] * units_.length;
+      state.orientation[i] = orientation_[i];
+      state.velocity[i] = velocity_[i] * units_.velocity();
+      state.angular_velocity[i] = angular_[i] / units_.time;
+    }
+  }
+
+  void read(std::vector<Contact>& contacts) const override {
+    contacts.clear();
+    for (std::size_t i = 0; i < kept_.size(); ++i) {
+      Contact contact;
+      contact.a = kept_[i].id.a();
+      contact.b = kept_[i].id.b();
+      contact.point = kept_point_[i].point * units_.length;
+      contact.normal = kept_point_[i].normal;
+      contact.gap = kept_point_[i].gap * units_.length;
+      contact.force = kept_[i].force * (units_.force() / last_step_);
+      contact.torque = kept_[i].couple * (units_.force() * units_.length / last_step_);
+      contacts.push_back(contact);
+    }
+  }
+
+  void save(Frame& frame) const override {
+    read(frame.state);
+    std::vector<double>& numbers = frame.numbers["contact_impulses"];
+    std::vector<std::int64_t>& ids = frame.integers["contact_ids"];
+    numbers.clear();
+    ids.clear();
+    for (const KeptImpulse& kept : kept_) {
+      for (int k = 0; k < 3; ++k) numbers.push_back(kept.force[k] * units_.impulse());
+      for (int k = 0; k < 3; ++k) numbers.push_back(kept.couple[k] * units_.impulse() * units_.length);
+      ids.push_back(static_cast<std::int64_t>(kept.id.bodies));
+      ids.push_back(static_cast<std::int64_t>(kept.id.features));
+    }
+    frame.numbers["last_step"] = {last_step_ * units_.time};
+  }
+
+  void restore(const Frame& frame) override {
+    const auto numbers = frame.numbers.find("contact_impulses");
+    const auto ids = frame.integers.find("contact_ids");
+    const auto last = frame.numbers.find("last_step");
+    const bool fits = frame.state.size() == model_.bodies.size() && numbers != frame.numbers.end() &&
+                      ids != frame.integers.end() && last != frame.numbers.end() && last->second.size() == 1 &&
+                      numbers->second.size() == 3 * ids->second.size() && ids->second.size() % 2 == 0;
+    if (!fits)
+      throw Error("checkpoint", "it does not fit this model", "resume with the scene and seed that wrote it, or start afresh");
+    load_state(frame.state);
+    kept_.clear();
+    kept_point_.clear();
+    for (std::size_t i = 0; i < ids->second.size() / 2; ++i) {
+      KeptImpulse kept;
+      kept.id = {static_cast<std::uint64_t>(ids->second[2 * i]), static_cast<std::uint64_t>(ids->second[2 * i + 1])};
+      for (std::size_t k = 0; k < 3; ++k) {
+        kept.force[static_cast<Eigen::Index>(k)] = numbers->second[6 * i + k] / units_.impulse();
+        kept.couple[static_cast<Eigen::Index>(k)] = numbers->second[6 * i + 3 + k] / (units_.impulse() * units_.length);
+      }
+      kept_.push_back(kept);
+      kept_point_.push_back({});
+    }
+    last_step_ = last->second[0] / units_.time;
+  }
+
+ private:
+  void load_state(const Snapshot& state) {
+    const std::size_t n = model_.bodies.size();
+    time_ = state.time;
+    position_.resize(n);
+    velocity_.resize(n);
+    angular_.resize(n);
+    orientation_ = state.orientation;
+    for (std::size_t i = 0; i < n; ++i) {
+      position_[i] = state.position[i] / units_.length;
+      velocity_[i] = state.velocity[i] / units_.velocity();
+      angular_[i] = state.angular_velocity[i] * units_.time;
+    }
+  }
+
+  /// Prescribed bodies stand where they were prescribed to be, and move with the twist that takes them to the step's end.
+  void place_prescribed(double dt) {
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const Body& body = model_.bodies[i];
+      if (body.dynamic) continue;
+      const Pose initial{model_.initial.position[i], model_.initial.orientation[i]};
+      const Pose pose = pose_at(body.motion, initial, time_);
+      const Twist twist = mean_twist(body.motion, initial, time_, dt);
+      position_[i] = pose.position / units_.length;
+      orientation_[i] = pose.orientation;
+      velocity_[i] = twist.linear / units_.velocity();
+      angular_[i] = twist.angular * units_.time;
+    }
+  }
+
+  /// v_free = (m v + h f) / (m + h damping), and likewise for the rotation in the principal axes.
+  void free_velocities(double h, const BodyLoads& loads) {
+    const std::size_t n = model_.bodies.size();
+    rotation_.resize(n);
+    inverse_.assign(n, {});
+    free_velocity_ = velocity_;
+    free_angular_ = angular_;
+    const double torque_unit = units_.force() * units_.length;
+    for (std::size_t i = 0; i < n; ++i) {
+      rotation_[i] = orientation_[i].toRotationMatrix();
+      if (!model_.bodies[i].dynamic) continue;
+      const double damped = mass_[i] + h * loads.linear_damping[i] / (units_.mass / units_.time);
+      free_velocity_[i] = (mass_[i] * velocity_[i] + h * (loads.force[i] / units_.force())) / damped;
+      const double angular_damping =
+          loads.angular_damping[i] / (units_.mass * units_.length * units_.length / units_.time);
+      const Vec3 inverse = (inertia_[i].array() + h * angular_damping).inverse();
+      const Vec3 body_momentum =
+          inertia_[i].cwiseProduct(rotation_[i].transpose() * angular_[i]) +
+          rotation_[i].transpose() * Vec3(h * (loads.torque[i] / torque_unit));
+      free_angular_[i] = rotation_[i] * inverse.cwiseProduct(body_momentum);
+      inverse_[i].mass = 1 / damped;
+      const Mat3 world = isotropic_[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
+      inverse_[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
+    }
+  }
+
+  Placement placement(double h) const {
+    Placement p;
+    p.position = position_;
+    p.rotation = rotation_;
+    const std::size_t n = model_.bodies.size();
+    p.speed.resize(n);
+    p.present.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Body& body = model_.bodies[i];
+      const double radius =
+          model_.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale / units_.length;
+      const double turning = std::max(angular_[i].norm(), free_angular_[i].norm());
+      p.speed[i] = std::max(velocity_[i].norm(), free_velocity_[i].norm()) + (turning > 0 ? turning * radius : 0.0);
+      p.present[i] = body.exists_at(time_) ? 1 : 0;
+      if (!std::isfinite(p.speed[i]) && body.dynamic) fail(i);
+      // An unbounded body that turns (a half-space) has no largest speed; its near points move like its reference point.
+      if (!std::isfinite(p.speed[i])) p.speed[i] = velocity_[i].norm();
+    }
+    (void)h;
+    return p;
+  }
+
+  [[noreturn]] void fail(std::size_t body) const {
+    throw Error("body " + std::to_string(body),
+                "its velocity is not a finite number at t = " + std::to_string(time_) + " s",
+                "this is a failure of the simulation: try a smaller time_step, and look for bodies pressed together by tools",
+                Error::Kind::simulation);
+  }
+
+  void build_problem(const std::vector<FoundContact>& found, double h) {
+    const std::size_t n = model_.bodies.size();
+    problem_.dynamic_bodies = static_cast<std::int32_t>(finder_.order().size());
+    problem_.inverse_mass.assign(n, {});
+    problem_.velocity.resize(n);
+    problem_.angular_velocity.resize(n);
+    body_of_slot_.assign(finder_.order().begin(), finder_.order().end());
+    for (std::size_t i = 0; i < n; ++i)
+      if (!model_.bodies[i].dynamic) body_of_slot_.push_back(static_cast<std::int32_t>(i));
+    for (std::size_t s = 0; s < n; ++s) {
+      const auto body = static_cast<std::size_t>(body_of_slot_[s]);
+      slot_[body] = static_cast<std::int32_t>(s);
+      problem_.inverse_mass[s] = inverse_[body];
+      problem_.velocity[s] = free_velocity_[body];
+      problem_.angular_velocity[s] = free_angular_[body];
+    }
+    problem_.contacts.resize(found.size());
+    impact_.resize(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const auto a = static_cast<std::size_t>(found[i].id.a()), b = static_cast<std::size_t>(found[i].id.b());
+      const Body& body_a = model_.bodies[a];
+      const Body& body_b = model_.bodies[b];
+      const PairLaw& law = model_.law(body_a.material, body_b.material);
+      const FrictionArms arms = friction_arms(law, body_a.radius, body_b.radius);
+      const ContactPoint& point = found[i].point;
+      ConeContact& c = problem_.contacts[i];
+      c.a = slot_[a];
+      c.b = slot_[b];
+      c.normal = point.normal;
+      c.arm_a = point.point - position_[a];
+      c.arm_b = point.point - position_[b];
+      c.friction = law.friction;
+      const double arm = reduced_radius(body_a.radius, body_b.radius);
+      c.arm = arm / units_.length;
+      c.rolling = arms.rolling / arm;
+      c.spinning = arms.spinning / arm;
+      const bool holds = law.cohesion > 0 && point.gap * units_.length <= law.cohesion_range;
+      c.cohesion = holds ? h * (law.cohesion / units_.force()) : 0.0;
+      impact_[i].gap = point.gap;
+      impact_[i].restitution = law.restitution;
+      const Vec3 before = velocity_[b] + angular_[b].cross(c.arm_b) - velocity_[a] - angular_[a].cross(c.arm_a);
+      impact_[i].before = c.normal.dot(before);
+    }
+  }
+
+  /// First impulses: those of the same contacts one step ago.
+  void warm_start(const std::vector<FoundContact>& found, double h) {
+    impulse_.assign(found.size(), Impulse{});
+    if (!options_.warm_start || kept_.empty()) return;
+    std::unordered_map<std::uint64_t, std::size_t> first;
+    first.reserve(kept_.size());
+    for (std::size_t i = 0; i < kept_.size(); ++i) first.try_emplace(kept_[i].id.bodies, i);
+    const double ratio = last_step_ > 0 ? h / last_step_ : 1;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const auto at = first.find(found[i].id.bodies);
+      if (at == first.end()) continue;
+      // The contacts of one pair stand together.
+      for (std::size_t k = at->second; k < kept_.size() && kept_[k].id.bodies == found[i].id.bodies; ++k) {
+        if (kept_[k].id.features != found[i].id.features) continue;
+        const ConeContact& c = problem_.contacts[i];
+        Vec3 t1, t2;
+        tangent_frame(c.normal, t1, t2);
+        const Vec3 force = ratio * kept_[k].force;
+        const Vec3 couple = ratio / c.arm * kept_[k].couple;
+        impulse_[i] = {std::max(c.normal.dot(force), -c.cohesion), t1.dot(force), t2.dot(force), t1.dot(couple),
+                       t2.dot(couple), c.normal.dot(couple)};
+        break;
+      }
+    }
+  }
+
+  StepReport report_of(const std::vector<FoundContact>& found, const SolveReport& solved) const {
+    StepReport report;
+    report.contacts = static_cast<int>(found.size());
+    report.iterations = solved.iterations;
+    report.residual = solved.residual;
+    report.converged = solved.converged;
+    report.cycling = solved.cycling;
+    double depth = 0;
+    for (const FoundContact& contact : found) depth = std::max(depth, -contact.point.gap);
+    report.penetration = depth * units_.length;
+    double work = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const ConeContact& c = problem_.contacts[i];
+      const Impulse free = relative_velocity(c, problem_.velocity, problem_.angular_velocity);
+      const Impulse after = relative_velocity(c, velocity_after_, angular_after_);
+      for (std::size_t k = 0; k < 6; ++k) work += 0.5 * impulse_[i][k] * (free[k] + after[k]);
+    }
+    report.contact_work = work * units_.energy();
+    return report;
+  }
+
+  void remove_penetration(const std::vector<FoundContact>& found, double h) {
+    gap_after_.resize(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i)
+      gap_after_[i] =
+          found[i].point.gap + h * relative_velocity(problem_.contacts[i], velocity_after_, angular_after_)[0];
+    push_apart(problem_, gap_after_, penetration_slop, displacement_);
+  }
+
+  /// Symplectic Euler, then the displacements. The angular velocity is carried over so that the angular momentum of a
+  /// tumbling body stays what it was while its axes turn.
+  void advance(double h) {
+    const auto dynamic = static_cast<std::ptrdiff_t>(problem_.dynamic_bodies);
+    for (std::ptrdiff_t s = 0; s < dynamic; ++s) {
+      const auto slot = static_cast<std::size_t>(s);
+      const auto body = static_cast<std::size_t>(body_of_slot_[slot]);
+      velocity_[body] = velocity_after_[slot];
+      angular_[body] = angular_after_[slot];
+      if (!velocity_[body].allFinite() || !angular_[body].allFinite()) fail(body);
+      position_[body] += h * velocity_[body] + displacement_[slot].shift;
+      const Vec3 turn = h * angular_[body] + displacement_[slot].turn;
+      if (turn.squaredNorm() == 0) continue;
+      orientation_[body] = (rotation_of(turn) * orientation_[body]).normalized();
+      if (isotropic_[body]) continue;
+      const Mat3 turned = orientation_[body].toRotationMatrix();
+      const Vec3 momentum = rotation_[body] * inertia_[body].cwiseProduct(rotation_[body].transpose() * angular_[body]);
+      angular_[body] = turned * (turned.transpose() * momentum).cwiseQuotient(inertia_[body]);
+    }
+    // Prescribed bodies are shown where they will be at the end of the step.
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      if (model_.bodies[i].dynamic) continue;
+      const Pose initial{model_.initial.position[i], model_.initial.orientation[i]};
+      const Pose pose = pose_at(model_.bodies[i].motion, initial, time_ + h * units_.time);
+      position_[i] = pose.position / units_.length;
+      orientation_[i] = pose.orientation;
+    }
+  }
+
+  void keep_impulses(const std::vector<FoundContact>& found, double) {
+    kept_.resize(found.size());
+    kept_point_.resize(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const ConeContact& c = problem_.contacts[i];
+      const Impulse& g = impulse_[i];
+      Vec3 t1, t2;
+      tangent_frame(c.normal, t1, t2);
+      kept_[i].id = found[i].id;
+      kept_[i].force = g[0] * c.normal + g[1] * t1 + g[2] * t2;
+      kept_[i].couple = c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal);
+      kept_point_[i] = found[i].point;
+    }
+  }
+
+  Model model_;
+  SolverOptions options_;
+  Units units_;
+  ContactFinder finder_;
+  std::vector<double> mass_;
+  std::vector<Vec3> inertia_;
+  std::vector<char> isotropic_;
+
+  // State, in the world's own units; by body.
+  double time_ = 0;  // [s]
+  std::vector<Vec3> position_, velocity_, angular_;
+  std::vector<Quat> orientation_;
+  std::vector<KeptImpulse> kept_;
+  std::vector<ContactPoint> kept_point_;
+  double last_step_ = 0;
+
+  // Work space of one step.
+  std::vector<Mat3> rotation_;
+  std::vector<InverseMass> inverse_;
+  std::vector<Vec3> free_velocity_, free_angular_;
+  std::vector<std::int32_t> slot_, body_of_slot_;
+  ConeProblem problem_;
+  std::vector<ImpactData> impact_;
+  std::vector<Impulse> impulse_;
+  std::vector<Vec3> velocity_after_, angular_after_;
+  std::vector<double> gap_after_;
+  std::vector<Displacement> displacement_;
+};
+
+}  // namespace
+
+std::vector<std::string> unsupported(const Model&) { return {}; }
+
+std::unique_ptr<World> make_world(const Model& model, const SolverOptions& options) {
+  validate(model);
+  if (!(options.tolerance > 0) || !(options.max_iterations > 0) || options.threads < 1 || !(options.search_margin >= 1))
+    throw Error("solver", "tolerance and max_iterations must be positive, threads and search_margin at least 1", "");
+  return std::make_unique<WorldDvi>(model, options);
+}
+
+}  // namespace repose::dvi
