@@ -110,7 +110,7 @@ void Realiser::add(const SceneBody& body) {
     add_body(fixed, pose, {});
     return;
   }
-  if (!std::isfinite(shape.mass.volume) || !shape.bounded())
+  if (!(shape.mass.volume > 0) || !shape.bounded())
     throw Error(place + ".fixed", "a " + shape.kind + " has no finite mass and cannot move freely",
                 "write fixed: true or give it a motion");
   Body free = dynamic_body(shape, index, 1, density(material_index), material_index);
