@@ -135,7 +135,9 @@ Tool read_tool(const std::string& name, const YamlReader& reader, const Scene& s
   try {
     build_tool(tool);
   } catch (const Error& error) {
-    reader.fail((error.place().empty() ? "" : error.place() + ": ") + error.problem(), error.remedy());
+    // The tool names its key, "tools.funnel.thickness"; the reader knows the line.
+    const std::string key = error.place().substr(std::min(error.place().size(), reader.path().size() + 1));
+    (reader.has(key) ? reader.at(key) : reader).fail(error.problem(), error.remedy());
   }
   return tool;
 }
