@@ -125,7 +125,7 @@ Scale parse_unit(std::string_view text) {
     if (!unit) unknown_unit(symbol.empty() ? whole : symbol);
 
     int power = 1;
-    take(text, "^");
+    const bool caret = take(text, "^");
     if (take(text, "²")) {
       power = 2;
     } else if (take(text, "³")) {
@@ -137,6 +137,8 @@ Scale parse_unit(std::string_view text) {
       const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), power);
       if (error != std::errc() || std::abs(power) > 9) unknown_unit(whole);
       text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
+    } else if (caret) {
+      unknown_unit(whole);
     }
     multiply(total, *unit, sign * power);
     expects_symbol = false;

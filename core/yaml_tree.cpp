@@ -124,7 +124,9 @@ const YamlNode* YamlNode::find(const std::string& key) const {
 }
 
 YamlNode* YamlNode::find(const std::string& key) {
-  return const_cast<YamlNode*>(static_cast<const YamlNode*>(this)->find(key));
+  for (YamlEntry& entry : entries)
+    if (entry.key == key) return &entry.value;
+  return nullptr;
 }
 
 YamlNode parse_yaml(const std::string& text, const std::string& name) {
@@ -175,8 +177,8 @@ void set_path(YamlNode& root, const std::string& path, const std::string& value)
       throw Error(place, fmt::format("`{}` lies inside a plain value, {}", part, describe(*node)),
                   "shorten the path, or set the whole value");
     node->kind = YamlNode::Kind::map;
-    YamlNode* child = node->find(part);
-    if (child == nullptr) {
+    auto entry = std::find_if(node->entries.begin(), node->entries.end(), [&](const YamlEntry& e) { return e.key == part; });
+    if (entry == node->entries.end()) {
       const std::vector<std::string> keys = keys_of(*node);
       const std::string near = nearest(part, keys);
       if (named && i == 1 && i + 1 < parts.size())
@@ -184,10 +186,10 @@ void set_path(YamlNode& root, const std::string& path, const std::string& value)
                     fmt::format("`{}` has no `{}`{}", parts[0], part,
                                 near.empty() ? "" : fmt::format("; did you mean `{}`?", near)),
                     "names here: " + listing(keys));
-      node->entries.push_back({part, 0, YamlNode{}});
-      child = &node->entries.back().value;
+      entry = node->entries.insert(entry, {part, 0, YamlNode{}});
     }
-    node = child;
+    if (i + 1 == parts.size()) entry->line = 0;
+    node = &entry->value;
   }
   *node = std::move(replacement);
 }

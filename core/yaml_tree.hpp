@@ -30,7 +30,7 @@ struct YamlEntry {
 /// Parses one document. Throws Error ("name:line: ...") for malformed YAML, an empty text, binary data, several documents,
 /// keys that are not scalars, duplicate keys, and texts or alias expansions beyond `yaml_limit` nodes.
 YamlNode parse_yaml(const std::string& text, const std::string& name);
-inline constexpr int yaml_limit = 2'000'000;
+inline constexpr int yaml_limit = 1'000'000;
 
 /// Sets the key at `path` ("grains.powder.size.range.1": map keys and sequence indices) to `value`, YAML text. The names
 /// under bodies, grains, materials, shapes and tools must exist; other keys are added where they are missing, and the
