@@ -6,8 +6,7 @@
 
 namespace repose {
 
-BallGrid::BallGrid(double largest, std::size_t count)
-    : largest_(largest), first_(std::bit_ceil(2 * count + 1), -1) {
+BallGrid::BallGrid(double largest, std::size_t count) : largest_(largest), first_(std::bit_ceil(2 * count + 1), -1) {
   balls_.reserve(count);
 }
 

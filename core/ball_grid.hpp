@@ -8,9 +8,9 @@
 
 namespace repose {
 
-/// A ball of radius in (L/2^(k+1), L/2^k], L the largest radius, is kept at level k, in the one cell of size 2 L/2^k that
-/// holds its centre. A query visits, at each level in use, the cells that a centre of an overlapping ball can lie in:
-/// at most 27, fewer for a ball smaller than the level.
+/// A ball of radius in (L/2^(k+1), L/2^k], L the largest radius, is kept at level k, in the one cell of size 2 L/2^k
+/// that holds its centre. A query visits, at each level in use, the cells that a centre of an overlapping ball can lie
+/// in: at most 27, fewer for a ball smaller than the level.
 class BallGrid {
  public:
   /// `largest`: no ball that is added is larger [m]; `count`: how many there will be, about.
@@ -33,7 +33,7 @@ class BallGrid {
   double largest_;
   std::vector<std::int64_t> first_;  // by bucket; a power of two
   std::vector<Ball> balls_;
-  std::vector<bool> used_;           // by level
+  std::vector<bool> used_;  // by level
 };
 
 }  // namespace repose

@@ -53,12 +53,15 @@ std::optional<Profile> profile_of(const Primitive& primitive) {
           [](const RoundCone& c) -> Result {
             const double sine = (c.radius_a - c.radius_b) / c.length, cosine = std::sqrt((1 - sine) * (1 + sine));
             const double a = c.radius_a * sine, b = c.length + c.radius_b * sine;  // where the cone touches the spheres
-            return Profile{Vec3::UnitX(), false,
-                           {ball_piece(-c.radius_a, a, 0, c.radius_a),
-                            cone_piece(a, b, c.radius_a * cosine, c.radius_b * cosine),
-                            ball_piece(b, c.length + c.radius_b, c.length, c.radius_b)}};
+            return Profile{
+                Vec3::UnitX(),
+                false,
+                {ball_piece(-c.radius_a, a, 0, c.radius_a), cone_piece(a, b, c.radius_a * cosine, c.radius_b * cosine),
+                 ball_piece(b, c.length + c.radius_b, c.length, c.radius_b)}};
           },
-          [](const Cone& c) -> Result { return Profile{Vec3::UnitZ(), false, {cone_piece(0, c.height, c.radius, 0)}}; },
+          [](const Cone& c) -> Result {
+            return Profile{Vec3::UnitZ(), false, {cone_piece(0, c.height, c.radius, 0)}};
+          },
           [](const Cylinder& c) -> Result {
             return Profile{Vec3::UnitZ(), false, {cone_piece(-c.half_height, c.half_height, c.radius, c.radius)}};
           },
@@ -135,7 +138,8 @@ std::optional<MassProperties> coaxial_union(std::span<const Part> parts) {
   }
   if (parts.empty()) return std::nullopt;
 
-  // The axis is that of any part that has one; balls alone take the line through the first and the one farthest from it.
+  // The axis is that of any part that has one; balls alone take the line through the first and the one farthest from
+  // it.
   Vec3 point = parts[0].pose.position, axis = Vec3::UnitX();
   double farthest = 0;
   for (const Part& part : parts) {

@@ -14,10 +14,10 @@
 namespace repose {
 namespace {
 
-constexpr double aimed_fraction = 0.25;     // random sequential addition gets slow above 0.3 and jams at 0.38
+constexpr double aimed_fraction = 0.25;  // random sequential addition gets slow above 0.3 and jams at 0.38
 constexpr int tries_before_growth = 500;
-constexpr int tries_before_giving_up = 20'000;    // for one ball
-constexpr std::size_t mean_tries = 200;             // for all of them; 15 are usual at the fraction aimed at
+constexpr int tries_before_giving_up = 20'000;  // for one ball
+constexpr std::size_t mean_tries = 200;         // for all of them; 15 are usual at the fraction aimed at
 constexpr double growth = 1.05;
 
 /// The region at its present height.
@@ -56,7 +56,8 @@ class Room {
     return any_height ? std::max(within, top) : std::min(within, 0.5 * height_);
   }
 
-  /// A place for the centre of a ball of radius r, uniform in the box about all places; false if the wall is in the way.
+  /// A place for the centre of a ball of radius r, uniform in the box about all places; false if the wall is in the
+  /// way.
   bool propose(double r, Random& random, Vec3& centre) const {
     if (box()) {
       for (int i = 0; i < 2; ++i) centre[i] = random.uniform(region_.lower[i] + r, region_.upper[i] - r);
@@ -98,16 +99,17 @@ void validate(const FillRegion& region, std::span<const double> radii) {
   if (region.kind == FillRegion::Kind::box) {
     const Vec3 width = region.upper - region.lower;
     if (!region.lower.allFinite() || !region.upper.allFinite() || !(width.minCoeff() > 0))
-      throw Error("fill", fmt::format("the box from [{}, {}, {}] to [{}, {}, {}] has no room", region.lower.x(),
-                                      region.lower.y(), region.lower.z(), region.upper.x(), region.upper.y(),
-                                      region.upper.z()),
+      throw Error("fill",
+                  fmt::format("the box from [{}, {}, {}] to [{}, {}, {}] has no room", region.lower.x(),
+                              region.lower.y(), region.lower.z(), region.upper.x(), region.upper.y(), region.upper.z()),
                   "give a lower corner below the upper one in x, y and z");
   } else {
     const double least = std::min(region.radius_bottom, region.radius_top);
     if (!region.base.allFinite() || !(least >= 0) || !(region.radius_top > 0) || !std::isfinite(region.radius_bottom) ||
         !std::isfinite(region.radius_top) || !(region.height > 0) || !std::isfinite(region.height))
-      throw Error("fill", fmt::format("a frustum of radii {} and {} and height {} has no room", region.radius_bottom,
-                                      region.radius_top, region.height),
+      throw Error("fill",
+                  fmt::format("a frustum of radii {} and {} and height {} has no room", region.radius_bottom,
+                              region.radius_top, region.height),
                   "give a positive radius_top and height, and a radius_bottom of zero or more");
   }
   const double extent = region.kind == FillRegion::Kind::box
@@ -121,14 +123,15 @@ void validate(const FillRegion& region, std::span<const double> radii) {
 
 [[noreturn]] void no_room(std::size_t placed, std::size_t count, double balls, const Room& room) {
   const double wanted = room.height_for(balls / aimed_fraction);
-  throw Error("fill",
-              fmt::format("only {} of {} grains fit: the balls that enclose them take {:.0f} % of the region, and random "
-                          "places without overlap can be found up to about 30 %",
-                          placed, count, 100 * balls / room.volume()),
-              wanted > room.height()
-                  ? fmt::format("make the region {:.3g} m higher ({:.3g} m in all), allow it to grow, or use fewer grains",
-                                wanted - room.height(), wanted)
-                  : "make the region wider against the grains, allow it to grow, or use fewer grains");
+  throw Error(
+      "fill",
+      fmt::format("only {} of {} grains fit: the balls that enclose them take {:.0f} % of the region, and random "
+                  "places without overlap can be found up to about 30 %",
+                  placed, count, 100 * balls / room.volume()),
+      wanted > room.height()
+          ? fmt::format("make the region {:.3g} m higher ({:.3g} m in all), allow it to grow, or use fewer grains",
+                        wanted - room.height(), wanted)
+          : "make the region wider against the grains, allow it to grow, or use fewer grains");
 }
 
 }  // namespace
@@ -145,8 +148,9 @@ std::vector<Placement> place_balls(const FillRegion& region, std::span<const dou
 
   Room room(region);
   if (room.widest(region.grow) < largest)
-    throw Error("fill", fmt::format("a grain of {:.3g} m across does not fit into the region, which can hold {:.3g} m",
-                                    2 * largest, 2 * room.widest(region.grow)),
+    throw Error("fill",
+                fmt::format("a grain of {:.3g} m across does not fit into the region, which can hold {:.3g} m",
+                            2 * largest, 2 * room.widest(region.grow)),
                 "make the region wider, or the grains smaller");
   double balls = 0;
   for (double r : radii) balls += 4 * std::numbers::pi / 3 * r * r * r;

@@ -71,7 +71,8 @@ std::vector<Part> described(std::string_view name, const GrainProportions& p) {
 
 GrainProportions GrainProportions::with_aspect(double factor) const {
   if (!(factor > 0) || !std::isfinite(factor))
-    throw Error("aspect", fmt::format("it is {}, but must be positive and finite", factor), "use 1 for the default shapes");
+    throw Error("aspect", fmt::format("it is {}, but must be positive and finite", factor),
+                "use 1 for the default shapes");
   GrainProportions p = *this;
   p.ellipsoid_aspect = 1 + factor * (ellipsoid_aspect - 1);
   p.twin_distance *= factor;

@@ -34,8 +34,7 @@ MassProperties of_mesh(const TriMesh& mesh) {
     const double det = a.dot(b.cross(c));
     volume += det / 6;
     first += det / 24 * sum;
-    second += det / 120 *
-              (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+    second += det / 120 * (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
   }
   const Vec3 centre = first / volume;
   return {volume, reference + centre, inertia_of(second - volume * centre * centre.transpose())};
@@ -144,9 +143,7 @@ double support(const Part& part, const Vec3& direction) {
       Overloaded{
           [&](const Sphere& s) { return s.radius * d.norm(); },
           [&](const Ellipsoid& e) { return e.semi_axes.cwiseProduct(d).norm(); },
-          [&](const RoundCone& c) {
-            return std::max(c.radius_a * d.norm(), c.length * d.x() + c.radius_b * d.norm());
-          },
+          [&](const RoundCone& c) { return std::max(c.radius_a * d.norm(), c.length * d.x() + c.radius_b * d.norm()); },
           [&](const Cone& c) { return std::max(c.radius * across, c.height * d.z()); },
           [&](const Box& b) { return b.half_extents.dot(d.cwiseAbs()); },
           [&](const Cylinder& c) { return c.radius * across + c.half_height * std::abs(d.z()); },
@@ -214,8 +211,10 @@ Principal principal_axes(const Mat3& inertia) {
     single.maxCoeff(&nearest);
     const Vec3 given = Vec3::Unit((nearest + 1) % 3);
     const Vec3 first = (given - given.dot(single) * single).normalized();
-    if (upper_pair) axes << single, first, single.cross(first);
-    else axes << first, single.cross(first), single;
+    if (upper_pair)
+      axes << single, first, single.cross(first);
+    else
+      axes << first, single.cross(first), single;
   } else {
     const Vec3 first = upright(0), second = upright(1);
     axes << first, second, first.cross(second);

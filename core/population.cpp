@@ -28,7 +28,8 @@ std::vector<std::size_t> apportioned(const std::vector<double>& shares, double t
     given += numbers[i];
   }
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return remainder[a] > remainder[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return remainder[a] > remainder[b]; });
   for (std::size_t k = 0; given < count; ++k, ++given) ++numbers[order[k % order.size()]];
   return numbers;
 }

@@ -52,7 +52,8 @@ Chord frustum_chord(const Vec3& o, const Vec3& d, double from, double to, double
   const double root = std::sqrt(discriminant), s = (-b - root) / a, t = (-b + root) / a;
   if (a > 0) return common(within, {s, t});
   // The line meets both nappes of the cone; one of the two outer stretches lies in the slab.
-  const Chord before = common(within, {within.first, std::min(s, t)}), after = common(within, {std::max(s, t), within.second});
+  const Chord before = common(within, {within.first, std::min(s, t)}),
+              after = common(within, {std::max(s, t), within.second});
   return before.second - before.first > after.second - after.first ? before : after;
 }
 
@@ -62,13 +63,11 @@ Chord chord(const Primitive& primitive, const Vec3& o, const Vec3& d) {
   return std::visit(
       Overloaded{
           [&](const Sphere& s) { return ball_chord(o, d, s.radius); },
-          [&](const Ellipsoid& e) {
-            return ball_chord(o.cwiseQuotient(e.semi_axes), d.cwiseQuotient(e.semi_axes), 1);
-          },
+          [&](const Ellipsoid& e) { return ball_chord(o.cwiseQuotient(e.semi_axes), d.cwiseQuotient(e.semi_axes), 1); },
           [&](const RoundCone& c) {
             const double sine = (c.radius_a - c.radius_b) / c.length, cosine = std::sqrt((1 - sine) * (1 + sine));
-            const Chord side = frustum_chord(o, d, c.radius_a * sine, c.length + c.radius_b * sine,
-                                             c.radius_a * cosine, c.radius_b * cosine);
+            const Chord side = frustum_chord(o, d, c.radius_a * sine, c.length + c.radius_b * sine, c.radius_a * cosine,
+                                             c.radius_b * cosine);
             const Chord ends =
                 joined(ball_chord(o, d, c.radius_a), ball_chord(o - c.length * Vec3::UnitX(), d, c.radius_b));
             return joined(side, ends);
@@ -86,7 +85,8 @@ Chord chord(const Primitive& primitive, const Vec3& o, const Vec3& d) {
             throw Error("", "a half-space has no finite mass", "use it for a fixed body only");
           },
           [](const Revolved&) -> Chord {
-            throw Error("", "a revolved solid that overlaps other parts has no mass here", "use it for a fixed body only");
+            throw Error("", "a revolved solid that overlaps other parts has no mass here",
+                        "use it for a fixed body only");
           },
           [](const TriMesh&) { return none; },
       },
@@ -100,7 +100,8 @@ struct RayMesh {
 
   // On which side of the line a-b the point lies; the same bits for b-a reversed, so that neighbours leave no gap.
   bool left(int a, int b, double x, double y) const {
-    const Vec3 &p = vertices[static_cast<std::size_t>(std::min(a, b))], &q = vertices[static_cast<std::size_t>(std::max(a, b))];
+    const Vec3 &p = vertices[static_cast<std::size_t>(std::min(a, b))],
+               &q = vertices[static_cast<std::size_t>(std::max(a, b))];
     const bool side = (q.x() - p.x()) * (y - p.y()) - (q.y() - p.y()) * (x - p.x()) >= 0;
     return (a < b) == side;
   }

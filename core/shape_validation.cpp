@@ -31,11 +31,14 @@ void validate_profile(const std::string& place, const std::vector<Vec2>& p) {
   double area = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2 &a = p[i], &b = p[(i + 1) % n];
-    if (!a.allFinite()) throw Error(place, fmt::format("profile point {} is not finite", i + 1), "give numbers in metres");
+    if (!a.allFinite())
+      throw Error(place, fmt::format("profile point {} is not finite", i + 1), "give numbers in metres");
     if (a.x() < 0)
-      throw Error(place, fmt::format("profile point {} has r = {}", i + 1, a.x()), "r is a distance from the axis: use r >= 0");
+      throw Error(place, fmt::format("profile point {} has r = {}", i + 1, a.x()),
+                  "r is a distance from the axis: use r >= 0");
     if (a == b)
-      throw Error(place, fmt::format("profile points {} and {} coincide", i + 1, (i + 1) % n + 1), "leave one of them out");
+      throw Error(place, fmt::format("profile points {} and {} coincide", i + 1, (i + 1) % n + 1),
+                  "leave one of them out");
     area += 0.5 * (a.x() * b.y() - b.x() * a.y());
     for (std::size_t j = i + 2; j < n; ++j)
       if (edges_cross(a, b, p[j], p[(j + 1) % n]))
@@ -62,10 +65,13 @@ void validate_mesh(const std::string& place, const TriMesh& mesh) {
       if (t[i] == t[(i + 1) % 3])
         throw Error(place, fmt::format("triangle {} names vertex {} twice", k, t[i]), "remove the triangle");
       if (++edges[{t[i], t[(i + 1) % 3]}] > 1)
-        throw Error(place, fmt::format("two triangles run along the edge {}-{} in the same direction", t[i], t[(i + 1) % 3]),
+        throw Error(place,
+                    fmt::format("two triangles run along the edge {}-{} in the same direction", t[i], t[(i + 1) % 3]),
                     "orient all triangles counterclockwise seen from outside, and list each once");
     }
-    const auto at = [&](std::size_t i) { return Vec3(mesh.vertices[static_cast<std::size_t>(t[i])] - mesh.vertices[0]); };
+    const auto at = [&](std::size_t i) {
+      return Vec3(mesh.vertices[static_cast<std::size_t>(t[i])] - mesh.vertices[0]);
+    };
     volume += at(0).dot(at(1).cross(at(2))) / 6;
   }
   for (const auto& [edge, count] : edges)
@@ -89,10 +95,11 @@ void validate_primitive(const std::string& place, const Primitive& primitive) {
             if (c.radius_b != 0) positive(place, "radius_b", c.radius_b);
             positive(place, "the length", c.length);
             if (c.length <= std::abs(c.radius_a - c.radius_b))
-              throw Error(place,
-                          fmt::format("the length {} is not above |radius_a - radius_b| = {}: one sphere swallows the other",
-                                      c.length, std::abs(c.radius_a - c.radius_b)),
-                          "make it longer, or use a sphere");
+              throw Error(
+                  place,
+                  fmt::format("the length {} is not above |radius_a - radius_b| = {}: one sphere swallows the other",
+                              c.length, std::abs(c.radius_a - c.radius_b)),
+                  "make it longer, or use a sphere");
           },
           [&](const Cone& c) { positive(place, "the radius", c.radius), positive(place, "the height", c.height); },
           [&](const Box& b) {

@@ -27,9 +27,10 @@ double normal_probability(double a, double b) {
 
 void require_inside(double probability, const SizeDistribution& d) {
   if (!(probability >= 1e-3))
-    throw Error("size", fmt::format("the range [{:g}, {:g}] m holds only {:.2g} % of the law", d.lower, d.upper,
-                                    100 * probability),
-                "move the range to where the law has its sizes, or correct the law");
+    throw Error(
+        "size",
+        fmt::format("the range [{:g}, {:g}] m holds only {:.2g} % of the law", d.lower, d.upper, 100 * probability),
+        "move the range to where the law has its sizes, or correct the law");
 }
 
 }  // namespace
@@ -124,7 +125,8 @@ void SizeSampler::tabulate(const SizeDistribution& d) {
 double SizeSampler::draw(Random& random) const {
   if (discrete_ && nodes_.size() == 1) return unit_ * nodes_[0];
   const double u = random.uniform();
-  const auto above = static_cast<std::size_t>(std::upper_bound(cumulative_.begin(), cumulative_.end(), u) - cumulative_.begin());
+  const auto above =
+      static_cast<std::size_t>(std::upper_bound(cumulative_.begin(), cumulative_.end(), u) - cumulative_.begin());
   const std::size_t i = std::min(above, cumulative_.size() - 1);
   if (discrete_) return unit_ * nodes_[i];
   // Solves a t + (b - a) t^2 / 2 = part, in the form that is safe for a = b.
@@ -141,8 +143,10 @@ double SizeSampler::mean_cube() const {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const double x = logarithmic_ ? std::exp(nodes_[i]) : nodes_[i];
     double weight;
-    if (discrete_) weight = cumulative_[i] - (i > 0 ? cumulative_[i - 1] : 0);
-    else weight = density_[i] * (i == 0 || i + 1 == nodes_.size() ? 0.5 : 1);
+    if (discrete_)
+      weight = cumulative_[i] - (i > 0 ? cumulative_[i - 1] : 0);
+    else
+      weight = density_[i] * (i == 0 || i + 1 == nodes_.size() ? 0.5 : 1);
     sum += weight * x * x * x;
   }
   return sum * unit_ * unit_ * unit_;

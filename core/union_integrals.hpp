@@ -17,8 +17,6 @@ MassProperties ray_union(std::span<const Part> parts, int rays = 512);
 double support(const Part& part, const Vec3& direction);
 
 /// Inertia about the centre, given the integral of x x^T about the centre.
-inline Mat3 inertia_of(const Mat3& second_moment) {
-  return second_moment.trace() * Mat3::Identity() - second_moment;
-}
+inline Mat3 inertia_of(const Mat3& second_moment) { return second_moment.trace() * Mat3::Identity() - second_moment; }
 
 }  // namespace repose
