@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <unordered_map>
 
+#include "core/ball_grid.hpp"
 #include "core/error.hpp"
 
 namespace repose {
@@ -33,6 +32,16 @@ void refuse_too_many(const GrainPopulation& population, double count) {
               "a machine holds some millions: reduce count or mass, or make the grains larger");
 }
 
+/// Calls `make`; an Error that names a key below `place` gets its full path.
+auto within(const std::string& place, const auto& make) {
+  try {
+    return make();
+  } catch (const Error& error) {
+    throw Error(error.place().empty() ? place : place + "." + error.place(), error.problem(), error.remedy(),
+                error.kind());
+  }
+}
+
 /// Volume of a grain: that of the sphere of its size, whatever its shape [m^3].
 double volume(const GrainKind& grain) { return std::numbers::pi / 6 * grain.size * grain.size * grain.size; }
 
@@ -42,7 +51,9 @@ std::vector<GrainKind> draw_mass(const GrainPopulation& population, double densi
   const double wanted = *population.total_mass / density;
   std::size_t count = 64;
   while (true) {
-    auto grains = draw_grains(population.size, shares, population.mix_by_mass, count, seed);
+    std::vector<GrainKind> grains = within("grains." + population.name, [&] {
+      return draw_grains(population.size, shares, population.mix_by_mass, count, seed);
+    });
     double sum = 0;
     for (std::size_t i = 0; i < grains.size(); ++i) {
       sum += volume(grains[i]);
@@ -83,7 +94,7 @@ void draw_population(const Scene& scene, int index, std::uint64_t seed, ShapeTab
     if (!(share >= 0) || !std::isfinite(share))
       throw Error(place + ".mix." + name, "a share must be zero or more", "shares are relative: {sphere: 2, twin: 1}");
     if (share == 0) continue;
-    shapes.push_back(table.index(name, population.aspect));
+    shapes.push_back(within(place, [&, &key = name] { return table.index(key, population.aspect); }));
     shares.push_back(share);
   }
   if (shapes.empty()) throw Error(place + ".mix", "no shape has a share", "write for example mix: {sphere: 1}");
@@ -94,7 +105,8 @@ void draw_population(const Scene& scene, int index, std::uint64_t seed, ShapeTab
   std::vector<GrainKind> kinds;
   if (population.count) {
     refuse_too_many(population, static_cast<double>(*population.count));
-    kinds = draw_grains(population.size, shares, population.mix_by_mass, *population.count, stream);
+    kinds = within(
+        place, [&] { return draw_grains(population.size, shares, population.mix_by_mass, *population.count, stream); });
   } else {
     const auto material = scene.materials.find(population.material);
     if (material == scene.materials.end())
@@ -138,53 +150,33 @@ void place_group(const Scene& scene, int group, const std::vector<int>& group_of
   }
   if (members.empty()) return;
   const GrainPopulation& first = scene.grains[static_cast<std::size_t>(group)];
-  std::vector<Placement> placements;
-  try {
-    placements = place_balls(first.fill, radii, derived_seed(seed, "place " + first.name));
-  } catch (const Error& error) {
-    throw Error("grains." + first.name + ".fill", error.problem(), error.remedy(), error.kind());
-  }
+  const std::vector<Placement> placements = within("grains." + first.name, [&] {
+    return place_balls(first.fill, radii, derived_seed(seed, "place " + first.name));
+  });
   for (std::size_t k = 0; k < members.size(); ++k) set.grains[members[k]].placement = placements[k];
 }
 
-/// Grains of different groups were placed without knowing of each other. Cells as wide as the largest ball: two balls
-/// that overlap lie in the same or in neighbouring cells.
+/// Grains of different groups were placed without knowing of each other.
 void refuse_overlap_between_groups(const Scene& scene, const std::vector<int>& group_of, const GrainSet& set) {
   if (std::all_of(group_of.begin(), group_of.end(), [&](int g) { return g == group_of.front(); })) return;
-  double width = 0;
-  for (const PlacedGrain& grain : set.grains) width = std::max(width, 2 * ball_radius(set, grain));
-
-  using Cell = std::array<std::int64_t, 3>;
-  struct CellHash {
-    std::size_t operator()(const Cell& c) const {
-      return static_cast<std::size_t>(c[0] * 73856093 ^ c[1] * 19349663 ^ c[2] * 83492791);
-    }
-  };
-  std::unordered_map<Cell, std::vector<std::size_t>, CellHash> cells;
-  const auto cell_of = [&](const Vec3& x) {
-    return Cell{std::llround(std::floor(x.x() / width)), std::llround(std::floor(x.y() / width)),
-                std::llround(std::floor(x.z() / width))};
-  };
-  const auto group = [&](std::size_t i) { return group_of[static_cast<std::size_t>(set.grains[i].population)]; };
-  for (std::size_t i = 0; i < set.grains.size(); ++i) {
-    const PlacedGrain& grain = set.grains[i];
-    const Cell home = cell_of(grain.placement.position);
-    for (int k = 0; k < 27; ++k) {
-      const auto near = cells.find({home[0] + k % 3 - 1, home[1] + k / 3 % 3 - 1, home[2] + k / 9 - 1});
-      if (near == cells.end()) continue;
-      for (const std::size_t j : near->second) {
-        const PlacedGrain& other = set.grains[j];
-        const double reach = ball_radius(set, grain) + ball_radius(set, other);
-        if (group(i) == group(j) ||
-            (grain.placement.position - other.placement.position).squaredNorm() >= reach * reach)
-          continue;
-        const std::string &a = scene.grains[static_cast<std::size_t>(other.population)].name,
-                          &b = scene.grains[static_cast<std::size_t>(grain.population)].name;
-        throw Error("grains." + b + ".fill", "its grains overlap those of grains." + a,
+  double largest = 0;
+  Vec3 corner = set.grains.front().placement.position;
+  for (const PlacedGrain& grain : set.grains) {
+    largest = std::max(largest, ball_radius(set, grain));
+    corner = corner.cwiseMin(grain.placement.position);
+  }
+  std::map<int, BallGrid> grids;
+  for (const PlacedGrain& grain : set.grains) {
+    const auto population = static_cast<std::size_t>(grain.population);
+    const int own = group_of[population];
+    const Vec3 centre = grain.placement.position - corner;
+    const double radius = ball_radius(set, grain);
+    for (const auto& [group, grid] : grids)
+      if (group != own && !grid.free(centre, radius))
+        throw Error("grains." + scene.grains[population].name + ".fill",
+                    "its grains overlap those of grains." + scene.grains[static_cast<std::size_t>(group)].name,
                     "move the regions apart, or give both the same fill to mix them");
-      }
-    }
-    cells[home].push_back(i);
+    grids.try_emplace(own, largest, set.grains.size()).first->second.add(centre, radius);
   }
 }
 
