@@ -4,7 +4,7 @@
 #   check_structure.sh ROOT
 #
 #   core      <- backends, analysis, scenarios: dependencies run one way, and analysis never sees a backend
-#   dvi       only the world's files (world_dvi*, bodies*, units*) see a model; collision knows shapes alone, the cone solver its plain problem alone
+#   dvi       only the world's files (world_dvi*, contact_finder, units) see a model; collision knows shapes alone, the cone solver its plain problem alone
 #   packages  heavy headers stay inside .cpp files
 #   files     at most 500 lines; nothing is left to be done later
 set -eu
@@ -36,14 +36,14 @@ include() { printf '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](%s)' "$1";
 
   # Inside dvi every file belongs to the world (free), to collision (shapes), or to the cone solver (plain data).
   dvi=backends/dvi
-  world='(world_dvi|bodies|units)[a-z_]*\.[ch]pp$'
+  world='(world_dvi|contact_finder|units)[a-z_]*\.[ch]pp$'
   collision='(narrow|broad|collide|support|gjk|oracle)[a-z_]*\.[ch]pp$'
   beside_world=$(code $dvi | grep -vE "/$world" || true)
   solver=$(printf '%s\n' "$beside_world" | grep -vE "/$collision" || true)
   collision_files=$(printf '%s\n' "$beside_world" | grep -E "/$collision" || true)
   forbid 'only world_dvi sees a scene or a model' \
     "$(include 'core/(scene|model|effect|recording|run|population|fill|tool|grain_shape|plausibility)')" $beside_world
-  forbid 'collision and cone solver do not know the world' "$(include "$dvi/(world_dvi|bodies|units)")" $beside_world
+  forbid 'collision and cone solver do not know the world' "$(include "$dvi/(world_dvi|contact_finder|units)")" $beside_world
   forbid 'collision and cone solver do not know each other' "$(include "$dvi/(cone|solver|apgd|gauss)")" $collision_files
   forbid 'collision and cone solver do not know each other' "$(include "$dvi/(narrow|broad|collide)")" $solver
   forbid 'the cone solver knows no shape, motion or material' "$(include 'core/(shape|motion|material|mass_properties)')" $solver
