@@ -16,7 +16,7 @@ struct Finding {
 };
 
 /// Densities, sizes, speeds, step against size and speed, Bond and inertial numbers, overlaps, count, memory and expected
-/// time. `model` is the realised scene; nullptr where the count alone is already absurd.
+/// time. `model` is the realised scene; nullptr where the count alone is already absurd. Includes check_before_realising.
 std::vector<Finding> check_plausibility(const Scene& scene, const Model* model);
 
 /// The checks that need no model, to be made before grains are drawn (a count of 1e9 must not be realised first).
