@@ -1,13 +1,17 @@
 #pragma once
 /// Recordings of runs on disk: run.h5, frames, checkpoints.
 ///
-///   DIR/run.h5                    model, settings, solver statistics, external links to the frames; written last
-///   DIR/run.xmf                   XDMF beside it: ParaView opens this
-///   DIR/frames/frame-000000.h5    one file per frame: written aside, fsync, renamed; never touched again
-///   DIR/checkpoints/step-N.h5     the last two, each with a checksum inside
-/// Datasets: gzip 1 + shuffle; frames hold float32 positions and orientations, checkpoints double.
+///   DIR/run.h5                      model, scene, step log, external links to the frames; written last
+///   DIR/run.xmf                     XDMF beside it: ParaView opens this
+///   DIR/frames/frame-000000.h5      one file per frame: written aside, fsync, renamed
+///   DIR/checkpoints/step-N.h5       the last two, each with a checksum inside
+///
+/// Datasets of run.h5 and of frames: gzip 1 + shuffle + a checksum per chunk. Frames hold float32 (6e-8 of the largest
+/// coordinate: nothing that a picture or an analysis sees); checkpoints hold the whole state in double, not compressed.
+/// run.h5 and the frames hold no times of the clock: the same run gives the same bytes, resumed or not.
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,32 +37,38 @@ struct Recording {
   std::uint64_t seed = 0;
 };
 
-/// Writes a run as it goes. One object per run.
+/// Writes a run as it goes. One object per run, and one run per folder at a time. Everything is durable when the call
+/// that wrote it returns. Failures to write are an Error (Kind::simulation); what was written before stays good.
 class Recorder {
  public:
-  /// Creates DIR (keeping what a previous, resumable run left if `resume`). Throws Error if it cannot be written.
+  /// Creates DIR; what an earlier run left there is removed, or kept if `resume`. Throws Error (Kind::input) if it cannot
+  /// be written. `model` must outlive the recorder.
   Recorder(std::filesystem::path folder, const Model& model, std::string scene_text, std::string backend,
            std::uint64_t seed, bool resume);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  void frame(const Snapshot& state);                ///< durable when it returns
-  void step(const StepRecord& record);              ///< kept in memory, saved with the next checkpoint
-  void checkpoint(const Frame& frame, std::int64_t frames_written);   ///< durable when it returns
-  void finish();                                    ///< writes run.h5 and run.xmf
+  void frame(const Snapshot& state);
+  void step(const StepRecord& record);  ///< kept in memory, saved with the next checkpoint
+  /// `wall_s`: spent so far, over all sessions [s]. `ended`: the run is over, a resumed one must not step on.
+  void checkpoint(const Frame& frame, double wall_s, bool ended);
+  void finish();                        ///< writes run.h5 and run.xmf with what there is so far
 
   struct Resumed {
     Frame frame;
-    std::int64_t frames_written = 0;
-    std::vector<StepRecord> steps;
+    double wall_s = 0;
+    bool ended = false;
+    std::vector<StepRecord> steps;  ///< all steps up to the checkpoint
+    std::string warning;            ///< not empty if the newest checkpoint was damaged and an older one is used
   };
-  /// The newest intact checkpoint; nullopt if there is none. Throws Error if it belongs to another scene or seed.
-  std::optional<Resumed> latest() const;
+  /// Goes back to the newest intact checkpoint: frames and steps that are recorded from now on follow it. nullopt if there
+  /// is no checkpoint at all. Throws Error if all are damaged, or if they belong to another scene, seed or backend.
+  std::optional<Resumed> resume();
 
  private:
   struct Impl;
-  Impl* impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Reads a run; with `every` > 1 only each n-th frame (and the last). Throws Error naming file and remedy.

@@ -1,5 +1,6 @@
 #pragma once
 /// The only time loop.
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -41,12 +42,17 @@ struct RunReport {
 struct RunHooks {
   std::function<void(const Progress&)> progress;          ///< called about five times a second; may be empty
   std::function<bool()> interrupted;                      ///< polled every step; true: checkpoint and stop
-  /// Polled at each frame; true ends the run early and well (a heap at rest). May be empty.
+  /// Asked after each frame but that of the start; true ends the run early and well (a heap at rest). May be empty. Must
+  /// depend on its arguments alone, so that a resumed run ends where an uninterrupted one does.
   std::function<bool(const Snapshot&, const StepReport&)> finished;
+  std::function<void(const std::string&)> warning;        ///< told once, when it arises; may be empty
 };
 
 /// Steps `world` through the schedule, applying the model's effects, recording frames and checkpoints. `recorder` may be
-/// null (nothing is written). With `resume`, continues from the newest checkpoint of the recorder, bit for bit.
+/// null (nothing is written). With `resume`, continues from the newest checkpoint of the recorder, bit for bit; if there
+/// is none, starts at the beginning and says so. Frames are recorded at the start, every `frame_interval`, and at the end;
+/// checkpoints at the start, by the wall clock, and at the end or an interruption. Throws Error: Kind::input for an
+/// impossible schedule, Kind::simulation if a state or residual is not finite; run.h5 then holds what came before.
 RunReport run(World& world, const Model& model, const Schedule& schedule, Recorder* recorder, const RunHooks& hooks,
               bool resume = false);
 
