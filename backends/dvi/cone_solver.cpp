@@ -14,9 +14,14 @@ namespace repose::dvi {
 namespace {
 
 constexpr std::size_t single_precision_above = 2000;  // contacts
-constexpr int stagnation_iterations = 100;
+constexpr int stagnation_iterations = 300;
 constexpr double stagnation_ratio = 0.98;
 constexpr double hopeless = 0.5;
+constexpr double negligible = 1e-2;  // of the tolerance
+// Over-relaxation pays where impulses are handed through many contacts: a fifth fewer sweeps in beds of grains at 1.3,
+// cycles from 1.5 on. A few contacts are solved at once without it.
+constexpr double over_relaxation = 1.3;
+constexpr std::size_t many_contacts = 100;
 
 /// Watches the best residual; tells when it has stood still for too long.
 class StagnationWatch {
@@ -58,14 +63,20 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
 
   StagnationWatch watch;
   Iterate<Real> best;
-  double damping = 1;
-  int stride = 4;  // iterations between two looks at the residual, which costs about half an iteration
-  while (report.residual > options.tolerance && report.iterations < options.max_iterations) {
+  const bool many = problem.contacts.size() > many_contacts;
+  double relaxation = many ? over_relaxation : 1.0;
+  int stride = many ? 8 : 2;  // iterations between two looks at the residual, which costs about half an iteration
+  // A warm start that meets the tolerance is improved all the same: what is left over would add up from step to step.
+  const auto unfinished = [&] {
+    return report.residual > options.tolerance ||
+           (report.iterations == 0 && report.residual > negligible * options.tolerance);
+  };
+  while (unfinished() && report.iterations < options.max_iterations) {
     const int n = std::min(stride, options.max_iterations - report.iterations);
     if (gradient) {
       report.iterations += gradient->phase(std::max(n, 4));
     } else {
-      gauss_seidel(packed, options.law, n, damping, threads);
+      gauss_seidel(packed, options.law, n, relaxation, threads);
       report.iterations += n;
     }
     report.residual = residual(packed, options.law, threads);
@@ -76,7 +87,7 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     }
     if (watch.stands_still(report.residual, report.iterations)) {
       report.cycling = true;
-      damping = std::max(0.25, 0.5 * damping);
+      relaxation = relaxation > 1 ? 1.0 : std::max(0.5, 0.7 * relaxation);
       gradient.reset();
     }
   }

@@ -7,7 +7,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr int max_passes = 8;          // over one block, within one visit
-constexpr double block_tolerance = 0.05;  // of the first change: the next sweep finds the rest
+constexpr double block_tolerance = 0.3;  // of the first change: the next sweep finds the rest
 
 template <class Real>
 using V = Lanes<Real>;
@@ -113,6 +113,32 @@ template <class Real, bool Rotational>
   }
 }
 
+/// Shortens one friction part of an over-relaxed impulse to its disc.
+template <class Real>
+[[gnu::always_inline]] inline void shorten(const V<Real>& limit, V<Real>& x, V<Real>& y) {
+  V<Real> length = x * x + y * y;
+  square_root<Real>(length);
+  const V<Real> one = fill<Real>(1);
+  const V<Real> factor = length > limit ? limit / length : one;
+  x = x * factor;
+  y = y * factor;
+}
+
+/// Returns an over-relaxed impulse to the cone: the pressure first, then each friction part to its disc.
+template <class Real, bool Rotational>
+[[gnu::always_inline]] inline void pull_back(const Batch<Real>& c, V<Real>* g) {
+  const V<Real> zero{};
+  V<Real> p = g[0] + c.cohesion;
+  p = p > zero ? p : zero;
+  g[0] = p - c.cohesion;
+  shorten<Real>(c.friction * p, g[1], g[2]);
+  if constexpr (Rotational) {
+    shorten<Real>(c.rolling * p, g[3], g[4]);
+    V<Real> none{};
+    shorten<Real>(c.spinning * p, g[5], none);
+  }
+}
+
 template <class Real, bool Rotational, bool Exact>
 void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
   constexpr int rows = Rotational ? 6 : 3;
@@ -128,9 +154,11 @@ void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
   } else {
     solve_block_relaxed<Real, Rotational>(c, g, u);
   }
+  for (int k = 0; k < rows; ++k) g[k] = c.impulse[k] + relaxation * (g[k] - c.impulse[k]);
+  pull_back<Real, Rotational>(c, g);
   for (int k = 0; k < rows; ++k) {
-    const V<Real> d = relaxation * (g[k] - c.impulse[k]);
-    c.impulse[k] += d;
+    const V<Real> d = g[k] - c.impulse[k];
+    c.impulse[k] = g[k];
     g[k] = d;
   }
   wrench<Real, Rotational>(c, t2, g, force, couple);

@@ -9,8 +9,9 @@
 
 namespace repose::dvi {
 
-/// `sweeps` times through all contacts. `relaxation` in (0, 1]: the share of each block's change that is applied; below 1
-/// it breaks cycles. Same result at any thread count.
+/// `sweeps` times through all contacts. `relaxation` in (0, 2): the share of each block's change that is applied. Above 1 it
+/// speeds up large problems (the impulse is then returned to the cone), below 1 it breaks cycles. Same result at any thread
+/// count.
 template <class Real>
 void gauss_seidel(PackedProblem<Real>& packed, ContactLaw law, int sweeps, double relaxation, int threads);
 

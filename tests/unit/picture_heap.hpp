@@ -40,9 +40,9 @@ inline Model picture_heap(const PictureHeap& heap) {
   const auto add_tool = [&](const Tool& tool) {
     for (const ToolBody& body : build_tool(tool)) builder.wall("wall", body.shape, body.pose).named(tool.name);
   };
-  const double rim = 3 * d, width = 0.22 * foot + 4 * d, depth = 4 * d;
+  const double rim = d, width = 0.6 * foot + 2 * d, depth = 0.3 * foot;
   if (heap.base)
-    add_tool({"base", "wall", Base{2 * foot, rim, 2 * d, width, depth, depth + rim}, Vec3::Zero(), {}});
+    add_tool({"base", "wall", Base{2 * foot, rim, d, width, depth, 1.5 * depth}, Vec3::Zero(), {}});
   if (heap.funnel)
     add_tool({"funnel", "wall", Funnel{12 * d, 30, 1.3 * foot, 0.2 * foot, 2 * d, 0, 1e300},
               {0, 0, 1.5 * foot * slope}, {}});
@@ -76,7 +76,7 @@ inline Model picture_heap(const PictureHeap& heap) {
     for (int attempt = 0;; ++attempt) {
       spilled = spilled || attempt == 50;
       const double a = 2 * std::numbers::pi * uniform();
-      const double inner = foot + 2.6 * d + radius, outer = foot + 2 * d + width - radius;
+      const double inner = foot + 1.4 * d + radius, outer = foot + d + width - radius;
       const double r = spilled ? std::sqrt(inner * inner + uniform() * (outer * outer - inner * inner))
                                : (foot - radius) * std::sqrt(uniform());
       // The lowest of a few landings nearby stands for the rolling into a hollow.
