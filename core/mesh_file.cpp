@@ -44,7 +44,8 @@ TriMesh read_obj(const std::filesystem::path& file) {
       std::vector<int> corners;
       while (words >> word) corners.push_back(vertex_index(word, mesh.vertices.size(), place));
       if (corners.size() < 3) throw Error(place, "a face of fewer than three corners", "write `f a b c`");
-      for (std::size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+      for (std::size_t i = 2; i < corners.size(); ++i)
+        mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
     }
   }
   if (mesh.triangles.empty()) throw Error(file.string(), "holds no faces", "export the mesh as a text OBJ file");

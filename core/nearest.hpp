@@ -11,8 +11,8 @@ namespace repose {
 /// (Damerau-Levenshtein, optimal string alignment). Bytes, not characters.
 int edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate closest to `word` (the first of equals), or "" if none is closer than half the longer length. A candidate
-/// that begins with the word, or holds it whole, counts as close.
+/// The candidate closest to `word` (the first of equals), or "" if none is closer than half the longer length. A
+/// candidate that begins with the word, or holds it whole, counts as close.
 std::string nearest(std::string_view word, std::span<const std::string> candidates);
 
 /// "a, b, c", for messages; at most `limit` entries, then "... (n in all)".

@@ -9,8 +9,8 @@
 namespace repose {
 namespace {
 
-constexpr int around = 48;   // azimuths; a multiple of 4, so that the axes are among them
-constexpr int along = 16;    // points per edge of a profile or a box
+constexpr int around = 48;  // azimuths; a multiple of 4, so that the axes are among them
+constexpr int along = 16;   // points per edge of a profile or a box
 
 std::vector<Vec3> ellipsoid_points(const Vec3& axes) {
   std::vector<Vec3> points;
@@ -68,7 +68,8 @@ std::vector<Vec3> round_cone_points(const RoundCone& cone) {
 std::vector<Vec3> mesh_points(const TriMesh& mesh) {
   constexpr std::size_t enough = 500;
   std::vector<Vec3> points;
-  for (std::size_t i = 0; i < mesh.vertices.size(); i += 1 + mesh.vertices.size() / enough) points.push_back(mesh.vertices[i]);
+  for (std::size_t i = 0; i < mesh.vertices.size(); i += 1 + mesh.vertices.size() / enough)
+    points.push_back(mesh.vertices[i]);
   const auto vertex = [&](int index) { return mesh.vertices[static_cast<std::size_t>(index)]; };
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 1 + mesh.triangles.size() / enough) {
     const std::array<int, 3>& t = mesh.triangles[i];
@@ -107,7 +108,9 @@ std::vector<Vec3> surface_points(const Primitive& primitive) {
           [](const Sphere& s) { return ellipsoid_points(Vec3::Constant(s.radius)); },
           [](const Ellipsoid& e) { return ellipsoid_points(e.semi_axes); },
           [](const RoundCone& c) { return round_cone_points(c); },
-          [](const Cone& c) { return revolved_points({{0, 0}, {c.radius, 0}, {0, c.height}}); },
+          [](const Cone& c) {
+            return revolved_points({{0, 0}, {c.radius, 0}, {0, c.height}});
+          },
           [](const Box& b) { return box_points(b.half_extents); },
           [](const Cylinder& c) {
             return revolved_points(

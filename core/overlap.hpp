@@ -6,8 +6,8 @@
 
 namespace repose {
 
-/// Points spread over the surface of a bounded primitive, in its own frame; at least its corners, edges and poles. Empty
-/// for a half-space.
+/// Points spread over the surface of a bounded primitive, in its own frame; at least its corners, edges and poles.
+/// Empty for a half-space.
 std::vector<Vec3> surface_points(const Primitive& primitive);
 
 /// True if a surface point of one shape lies inside the other deeper than `depth` [m] (measured along the world axes).

@@ -8,13 +8,13 @@ namespace {
 void check_scene(const Scene& scene, Findings& findings) {
   const std::vector<PopulationFigures> grains = population_figures(scene);
   check_densities(scene, findings);
-  check_sizes(scene, grains, findings);
+  const bool sizes_are_sound = check_sizes(scene, grains, findings);
   check_pairs(scene, grains, findings);
   check_counts(grains, findings);
   check_gravity_and_speeds(scene, findings);
   check_step(scene, grains, findings);
-  check_funnels(scene, grains, findings);
-  check_bases(scene, grains, findings);
+  check_funnels(scene, sizes_are_sound ? grains : std::vector<PopulationFigures>{}, findings);
+  check_bases(scene, sizes_are_sound ? grains : std::vector<PopulationFigures>{}, findings);
   check_fills(scene, findings);
   check_support(scene, findings);
   check_tool_overlaps(scene, findings);

@@ -1,8 +1,8 @@
 #pragma once
 /// The groups of checks behind plausibility.hpp. Internal.
 ///
-/// A refusal is what no experiment can mean (a likely slip of unit or sign); a warning is what may be meant but often goes
-/// wrong; a note is what one should know. The bounds stand as named constants beside each check.
+/// A refusal is what no experiment can mean (a likely slip of unit or sign); a warning is what may be meant but often
+/// goes wrong; a note is what one should know. The bounds stand as named constants beside each check.
 #include <string>
 #include <vector>
 
@@ -35,7 +35,8 @@ std::vector<PopulationFigures> population_figures(const Scene& scene);
 std::string length_text(double metres);
 
 void check_densities(const Scene& scene, Findings& findings);
-void check_sizes(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
+/// False if a grain's size is absurd: then comparing it with tools only repeats the finding.
+bool check_sizes(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 void check_pairs(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 void check_counts(const std::vector<PopulationFigures>& grains, Findings& findings);
 

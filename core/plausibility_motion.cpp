@@ -10,14 +10,14 @@
 namespace repose {
 namespace {
 
-constexpr double fast = 100, absurdly_fast = 3000;     // [m/s]; 3 km/s: the speed of sound in solids
-constexpr double absurd_gravity = 500;                 // [m/s^2]
+constexpr double fast = 100, absurdly_fast = 3000;  // [m/s]; 3 km/s: the speed of sound in solids
+constexpr double absurd_gravity = 500;              // [m/s^2]
 // Shares of sqrt(R/g), the time in which a grain falls about half its radius.
 constexpr double coarse_step = 0.3, absurd_step = 10;
 constexpr double many_steps = 1e7, too_many_steps = 1e10;
 constexpr double contacts_per_grain = 3, usual_iterations = 60, seconds_per_contact = 50e-9;
-constexpr double air_viscosity = 1.8e-5;               // [Pa s], 20 C
-constexpr double bytes_per_grain_and_frame = 20;       // positions and orientations, compressed
+constexpr double air_viscosity = 1.8e-5;          // [Pa s], 20 C
+constexpr double bytes_per_grain_and_frame = 20;  // positions and orientations, compressed
 
 std::string duration_text(double seconds) {
   if (seconds < 120) return fmt::format("{:.2g} s", seconds);
@@ -91,14 +91,16 @@ void check_inertial_number(const Scene& scene, double radius, Findings& findings
   for (const Tool& tool : scene.tools) {
     const std::string place = "tools." + tool.name;
     if (const Funnel* funnel = std::get_if<Funnel>(&tool.kind))
-      findings.note(place, fmt::format("inertial number at the outlet, about d/D = {:.2g}", 2 * radius / funnel->outlet_diameter));
+      findings.note(place, fmt::format("inertial number at the outlet, about d/D = {:.2g}",
+                                       2 * radius / funnel->outlet_diameter));
     const double speed = tool.motion.velocity.norm();
     if (speed == 0) continue;
     // A shear zone of ten grains, loaded by its own weight.
     const double inertial = speed / (10 * std::sqrt(10 * gravity * 2 * radius));
     const std::string found = fmt::format("inertial number of the sheared layer, about {:.2g}", inertial);
     if (inertial > 1)
-      findings.warn(place + ".motion", found + ": a gas of grains rather than a dense flow", "check the tool's velocity");
+      findings.warn(place + ".motion", found + ": a gas of grains rather than a dense flow",
+                    "check the tool's velocity");
     else
       findings.note(place + ".motion", found);
   }
@@ -115,7 +117,8 @@ void check_gravity_and_speeds(const Scene& scene, Findings& findings) {
   else if (gravity > 30)
     findings.warn("gravity", fmt::format("{:.4g} m/s2, more than on any solid planet", gravity), "check it");
 
-  for (const GrainPopulation& g : scene.grains) check_speed("grains." + g.name + ".velocity", g.velocity.norm(), findings);
+  for (const GrainPopulation& g : scene.grains)
+    check_speed("grains." + g.name + ".velocity", g.velocity.norm(), findings);
   for (const Tool& tool : scene.tools)
     check_speed("tools." + tool.name + ".motion.velocity", tool.motion.velocity.norm(), findings);
   for (const SceneBody& body : scene.bodies) {
@@ -123,7 +126,8 @@ void check_gravity_and_speeds(const Scene& scene, Findings& findings) {
     check_speed("bodies." + body.name + ".velocity", speed, findings);
     const Shape& shape = scene.shapes.at(body.shape);
     if (shape.bounded())
-      check_speed("bodies." + body.name + ".angular_velocity", body.angular_velocity.norm() * shape.bounding_radius, findings);
+      check_speed("bodies." + body.name + ".angular_velocity", body.angular_velocity.norm() * shape.bounding_radius,
+                  findings);
   }
 }
 
@@ -131,7 +135,8 @@ void check_step(const Scene& scene, const std::vector<PopulationFigures>& grains
   const double step = scene.solver.time_step, steps = scene.duration / step;
   const std::string place = "solver.time_step";
   if (step > scene.duration) {
-    findings.refuse(place, fmt::format("a step of {:.4g} s is longer than the duration of {:.4g} s", step, scene.duration),
+    findings.refuse(place,
+                    fmt::format("a step of {:.4g} s is longer than the duration of {:.4g} s", step, scene.duration),
                     fmt::format("did you mean {:.3g}?", scene.duration / 1000));
     return;
   }
@@ -145,8 +150,8 @@ void check_step(const Scene& scene, const std::vector<PopulationFigures>& grains
     const double gravity = scene.gravity.norm();
     if (gravity > 0) {
       const double fall_time = std::sqrt(smallest.radius / gravity);
-      const std::string found = fmt::format("a step of {:.3g} s against sqrt(R/g) = {:.3g} s of {} (R = {})", step, fall_time,
-                                            smallest.place, length_text(smallest.radius));
+      const std::string found = fmt::format("a step of {:.3g} s against sqrt(R/g) = {:.3g} s of {} (R = {})", step,
+                                            fall_time, smallest.place, length_text(smallest.radius));
       const std::string remedy = fmt::format("set it to {:.1g} s or below", 0.05 * fall_time);
       if (step > absurd_step * fall_time)
         findings.refuse(place, found, remedy);
@@ -155,8 +160,9 @@ void check_step(const Scene& scene, const std::vector<PopulationFigures>& grains
     }
     const double speed = std::max(highest_start_speed(scene), std::sqrt(2 * gravity * fall_height(scene)));
     if (speed * step > smallest.radius)
-      findings.warn(place, fmt::format("at {:.3g} m/s {} moves {:.3g} of its radii in one step", speed, smallest.place,
-                                       speed * step / smallest.radius),
+      findings.warn(place,
+                    fmt::format("at {:.3g} m/s {} moves {:.3g} of its radii in one step", speed, smallest.place,
+                                speed * step / smallest.radius),
                     fmt::format("set it to {:.1g} s or below", 0.5 * smallest.radius / speed));
     if (!grains.empty()) check_inertial_number(scene, smallest.radius, findings);
   }
@@ -168,7 +174,8 @@ void check_step(const Scene& scene, const std::vector<PopulationFigures>& grains
   double bytes = 0;
   for (const PopulationFigures& g : grains) bytes += g.count * bytes_per_grain_and_frame;
   bytes *= scene.duration / std::max(scene.frame_interval, step);
-  if (bytes > 20e9) findings.warn("frame_interval", fmt::format("the recording takes about {:.0f} GB", bytes / 1e9), "lengthen it");
+  if (bytes > 20e9)
+    findings.warn("frame_interval", fmt::format("the recording takes about {:.0f} GB", bytes / 1e9), "lengthen it");
 }
 
 void check_cost(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings) {
@@ -177,8 +184,8 @@ void check_cost(const Scene& scene, const std::vector<PopulationFigures>& grains
   if (count < 100) return;
   const double steps = scene.duration / scene.solver.time_step;
   const double seconds = steps * count * contacts_per_grain * usual_iterations * seconds_per_contact;
-  const std::string found = fmt::format("{:.3g} steps, about {} on one thread if every step takes {:.0f} iterations", steps,
-                                        duration_text(seconds), usual_iterations);
+  const std::string found = fmt::format("{:.3g} steps, about {} on one thread if every step takes {:.0f} iterations",
+                                        steps, duration_text(seconds), usual_iterations);
   if (seconds > 7 * 86400)
     findings.warn("duration", found, "simulate fewer grains, or a shorter time");
   else

@@ -11,8 +11,8 @@
 namespace repose {
 namespace {
 
-constexpr double allowed_depth = 0.01;          // of the smaller body, before an overlap is worth a word
-constexpr std::size_t most_explicit = 400;      // pairs are tried one by one
+constexpr double allowed_depth = 0.01;      // of the smaller body, before an overlap is worth a word
+constexpr std::size_t most_explicit = 400;  // pairs are tried one by one
 constexpr double large_mass_ratio = 1e6;
 
 const std::string& name_of(const Model& model, std::size_t body) {
@@ -43,7 +43,8 @@ void check_buried_grains(const Model& model, Findings& findings) {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       if (model.bodies[i].role != BodyRole::grain) continue;
       const Vec3& centre = model.initial.position[i];
-      if (shape_of(model, solid).bounded() && (centre - model.initial.position[solid]).norm() > reach_of(model, solid)) continue;
+      if (shape_of(model, solid).bounded() && (centre - model.initial.position[solid]).norm() > reach_of(model, solid))
+        continue;
       if (!holds(model, solid, centre)) continue;
       ++buried;
       grain_name = i;
@@ -59,12 +60,14 @@ void check_overfull_funnels(const Scene& scene, const Model& model, Findings& fi
   for (const Tool& tool : scene.tools) {
     const Funnel* funnel = std::get_if<Funnel>(&tool.kind);
     if (funnel == nullptr) continue;
-    const double cone = 0.5 * (funnel->top_diameter - funnel->outlet_diameter) / std::tan(funnel->half_angle_deg * std::numbers::pi / 180);
+    const double cone = 0.5 * (funnel->top_diameter - funnel->outlet_diameter) /
+                        std::tan(funnel->half_angle_deg * std::numbers::pi / 180);
     const double rim = tool.position.z() + cone + funnel->wall_height;
     double top = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       const Vec3 from_funnel = model.initial.position[i] - tool.position;
-      if (model.bodies[i].role == BodyRole::grain && std::hypot(from_funnel.x(), from_funnel.y()) < 0.5 * funnel->top_diameter)
+      if (model.bodies[i].role == BodyRole::grain &&
+          std::hypot(from_funnel.x(), from_funnel.y()) < 0.5 * funnel->top_diameter)
         top = std::max(top, model.initial.position[i].z() + reach_of(model, i));
     }
     if (top > rim)
@@ -92,7 +95,8 @@ void check_overlapping_bodies(const Model& model, Findings& findings) {
       const std::size_t a = list[i], b = list[j];
       if (!model.bodies[a].dynamic && !model.bodies[b].dynamic) continue;
       const double size = std::min(reach_of(model, a), reach_of(model, b));
-      if (!cut_into(shape_of(model, a), pose_of(model, a), shape_of(model, b), pose_of(model, b), allowed_depth * size)) continue;
+      if (!cut_into(shape_of(model, a), pose_of(model, a), shape_of(model, b), pose_of(model, b), allowed_depth * size))
+        continue;
       findings.warn("bodies." + name_of(model, a) + ".position",
                     fmt::format("`{}` starts inside `{}`", name_of(model, a), name_of(model, b)),
                     "move one of them: the solver will push them apart");

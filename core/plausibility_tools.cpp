@@ -10,8 +10,8 @@
 namespace repose {
 namespace {
 
-constexpr double arching = 4;        // outlets below this many typical grains clog now and then (the largest count, too)
-constexpr double narrow_base = 10;   // typical grains across a base
+constexpr double arching = 4;       // outlets below this many typical grains clog now and then (the largest count, too)
+constexpr double narrow_base = 10;  // typical grains across a base
 
 std::string key_of(const Tool& tool, const std::string& key) { return "tools." + tool.name + "." + key; }
 
@@ -95,9 +95,10 @@ void check_funnels(const Scene& scene, const std::vector<PopulationFigures>& gra
     if (funnel == nullptr) continue;
     for (const PopulationFigures& g : grains) check_outlet(tool, *funnel, g, findings);
     if (funnel->opens >= scene.duration)
-      findings.refuse(key_of(tool, "opens"),
-                      fmt::format("the outlet opens at {:.4g} s, but the run ends at {:.4g} s", funnel->opens, scene.duration),
-                      "open it earlier, or lengthen `duration`");
+      findings.refuse(
+          key_of(tool, "opens"),
+          fmt::format("the outlet opens at {:.4g} s, but the run ends at {:.4g} s", funnel->opens, scene.duration),
+          "open it earlier, or lengthen `duration`");
     else if (funnel->opens > 0.8 * scene.duration)
       findings.warn(key_of(tool, "opens"), "the outlet opens in the last fifth of the run", "open it earlier");
     for (const Tool& other : scene.tools) {
@@ -118,7 +119,8 @@ void check_bases(const Scene& scene, const std::vector<PopulationFigures>& grain
     const Base* base = std::get_if<Base>(&tool.kind);
     if (base == nullptr) continue;
     for (const PopulationFigures& g : grains) {
-      const std::string found = fmt::format("a base of {} for grains of {}", length_text(base->diameter), length_text(g.typical));
+      const std::string found =
+          fmt::format("a base of {} for grains of {}", length_text(base->diameter), length_text(g.typical));
       const std::string remedy = fmt::format("make it at least {}", length_text(30 * g.typical));
       if (base->diameter < g.largest)
         findings.refuse(key_of(tool, "diameter"), found, remedy);
@@ -129,7 +131,8 @@ void check_bases(const Scene& scene, const std::vector<PopulationFigures>& grain
       findings.note(key_of(tool, "trench_width"), "no trench: grains that fall over the edge fall for ever");
     for (const Tool& other : scene.tools)
       if (const Funnel* funnel = std::get_if<Funnel>(&other.kind); funnel && funnel->outlet_diameter > base->diameter)
-        findings.warn(key_of(tool, "diameter"), fmt::format("narrower than the outlet of `{}`", other.name), "widen the base");
+        findings.warn(key_of(tool, "diameter"), fmt::format("narrower than the outlet of `{}`", other.name),
+                      "widen the base");
   }
 }
 
@@ -143,9 +146,8 @@ void check_fills(const Scene& scene, Findings& findings) {
 }
 
 void check_support(const Scene& scene, Findings& findings) {
-  const bool obstacle = !scene.tools.empty() || std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const SceneBody& b) {
-    return b.fixed || b.motion;
-  });
+  const bool obstacle = !scene.tools.empty() || std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                                            [](const SceneBody& b) { return b.fixed || b.motion; });
   if (!scene.grains.empty() && !obstacle && scene.gravity.norm() > 0)
     findings.warn("tools", "nothing carries the grains: they fall for ever", "add a base, a container or a floor");
 }

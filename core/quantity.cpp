@@ -54,9 +54,9 @@ struct Prefix {
   double factor;
 };
 // The two micro signs are different characters (U+00B5, U+03BC).
-constexpr std::array prefixes{Prefix{"p", 1e-12},      Prefix{"n", 1e-9},       Prefix{"u", 1e-6}, Prefix{"\u00b5", 1e-6},
-                              Prefix{"\u03bc", 1e-6}, Prefix{"m", 1e-3},       Prefix{"c", 1e-2}, Prefix{"d", 1e-1},
-                              Prefix{"k", 1e3},       Prefix{"M", 1e6},        Prefix{"G", 1e9}};
+constexpr std::array prefixes{Prefix{"p", 1e-12},     Prefix{"n", 1e-9}, Prefix{"u", 1e-6}, Prefix{"\u00b5", 1e-6},
+                              Prefix{"\u03bc", 1e-6}, Prefix{"m", 1e-3}, Prefix{"c", 1e-2}, Prefix{"d", 1e-1},
+                              Prefix{"k", 1e3},       Prefix{"M", 1e6},  Prefix{"G", 1e9}};
 
 struct Scale {
   double factor = 1;
@@ -76,13 +76,15 @@ std::optional<Scale> find_unit(std::string_view symbol) {
 }
 
 std::vector<std::string> common_units() {
-  return {"m",  "cm", "mm", "um", "nm",  "kg",  "g",   "mg",  "ug",    "s",     "ms",  "us",   "min",  "N",    "mN",   "uN",
-          "nN", "Pa", "J",  "Hz", "kHz", "rpm", "rad", "deg", "kg/m3", "g/cm3", "m/s", "mm/s", "m/s2", "Pa s", "rad/s"};
+  return {"m",   "cm",  "mm",    "um",    "nm",  "kg",   "g",    "mg",   "ug",   "s",   "ms",
+          "us",  "min", "N",     "mN",    "uN",  "nN",   "Pa",   "J",    "Hz",   "kHz", "rpm",
+          "rad", "deg", "kg/m3", "g/cm3", "m/s", "mm/s", "m/s2", "Pa s", "rad/s"};
 }
 
 [[noreturn]] void unknown_unit(std::string_view unit) {
   const std::string near = nearest(unit, common_units());
-  throw Error("", fmt::format("unknown unit `{}`{}", unit, near.empty() ? "" : fmt::format("; did you mean `{}`?", near)),
+  throw Error("",
+              fmt::format("unknown unit `{}`{}", unit, near.empty() ? "" : fmt::format("; did you mean `{}`?", near)),
               "units are products of m, g, s, K, N, Pa, J, Hz, min, rad, deg, rpm with prefixes and powers, as in "
               "\"58 um\", \"1.02 g/cm3\", \"127 mm/s\"");
 }
@@ -159,11 +161,13 @@ bool is_not_finite(std::string_view text) {
   std::string lower(text);
   for (char& c : lower)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return lower == "nan" || lower == "inf" || lower == "infinity" || lower.starts_with("nan ") || lower.starts_with("inf ");
+  return lower == "nan" || lower == "inf" || lower == "infinity" || lower.starts_with("nan ") ||
+         lower.starts_with("inf ");
 }
 
 std::string expectation(const Dimension& expected) {
-  return expected == dimension::none ? "a plain number" : fmt::format("a number in {} or one with a unit", unit_of(expected));
+  return expected == dimension::none ? "a plain number"
+                                     : fmt::format("a number in {} or one with a unit", unit_of(expected));
 }
 
 }  // namespace

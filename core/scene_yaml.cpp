@@ -19,7 +19,8 @@ std::string read_file(const std::filesystem::path& file) {
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) throw Error(file.string(), "no such file", "check the name of the scene file");
   if (std::filesystem::is_directory(status))
-    throw Error(file.string(), "is a directory", "name the scene file inside it, e.g. " + (file / "scene.yaml").string());
+    throw Error(file.string(), "is a directory",
+                "name the scene file inside it, e.g. " + (file / "scene.yaml").string());
   if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(file, error) > largest_file)
     throw Error(file.string(), "is too large for a scene", "a scene is YAML text of a few kilobytes");
   std::ifstream in(file, std::ios::binary);
@@ -39,9 +40,11 @@ void inline_proportions(YamlNode& root, const std::string& name, const std::file
   try {
     content = parse_yaml(read_file(file), file.string());
   } catch (const Error& error) {
-    throw Error(fmt::format("{}:{}: grain_shapes", name, block->line), error.what(), "name a file, or write the map here");
+    throw Error(fmt::format("{}:{}: grain_shapes", name, block->line), error.what(),
+                "name a file, or write the map here");
   }
-  if (content.kind == YamlNode::Kind::map && content.find("grain_shapes") != nullptr) content = *content.find("grain_shapes");
+  if (content.kind == YamlNode::Kind::map && content.find("grain_shapes") != nullptr)
+    content = *content.find("grain_shapes");
   *block = std::move(content);
 }
 
@@ -51,7 +54,8 @@ void read_solver(const YamlReader& block, Scene& scene) {
   block.only({"time_step", "tolerance", "max_iterations", "method", "law", "warm_start", "search_margin"});
   SolverOptions& options = scene.solver;
   block.read("time_step", options.time_step, positive(dimension::time));
-  block.read("tolerance", options.tolerance, {.dimension = dimension::none, .lower = 0, .upper = 1, .lower_open = true});
+  block.read("tolerance", options.tolerance,
+             {.dimension = dimension::none, .lower = 0, .upper = 1, .lower_open = true});
   if (block.has("max_iterations")) {
     const std::size_t count = block.at("max_iterations").count();
     if (count > 10'000'000) block.at("max_iterations").fail("more than ten million", "a few hundred usually suffice");
@@ -82,8 +86,8 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   inline_proportions(tree, name, folder);
 
   const YamlReader root(tree, name);
-  root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "effects", "solver",
-             "duration", "frame_interval", "record"});
+  root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "effects",
+             "solver", "duration", "frame_interval", "record"});
   Scene scene;
   read_materials(root.at("materials"), scene);
   if (root.has("pairs")) read_pairs(root.at("pairs"), scene);
@@ -103,7 +107,8 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   for (const Tool& tool : scene.tools)
     for (const SceneBody& body : scene.bodies)
       if (tool.name == body.name)
-        root.at("tools").at(tool.name).fail("a body has the same name", "names of bodies and tools are one list: rename one");
+        root.at("tools").at(tool.name).fail("a body has the same name",
+                                            "names of bodies and tools are one list: rename one");
   if (scene.bodies.empty() && scene.grains.empty())
     root.fail("nothing to simulate: neither `bodies` nor `grains`", "add a body or a population of grains");
   scene.text = emit_yaml(tree);

@@ -12,8 +12,8 @@ namespace repose {
 /// materials: {pa12: {density: 1020}}
 void read_materials(const YamlReader& block, Scene& scene);
 
-/// pairs: {pa12-steel: {friction, rolling_friction, spinning_friction, rolling_friction_length, spinning_friction_length,
-/// friction_arm, restitution, cohesion, cohesion_range}}; names in alphabetical order.
+/// pairs: {pa12-steel: {friction, rolling_friction, spinning_friction, rolling_friction_length,
+/// spinning_friction_length, friction_arm, restitution, cohesion, cohesion_range}}; names in alphabetical order.
 void read_pairs(const YamlReader& block, Scene& scene);
 
 /// grain_shapes: the fields of GrainProportions, or the name of a YAML file that holds them.

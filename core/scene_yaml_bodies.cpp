@@ -28,8 +28,8 @@ void check_inertia(const YamlReader& reader, const Vec3& inertia) {
 }
 
 SceneBody read_body(const std::string& name, const YamlReader& reader, const Scene& scene) {
-  reader.only({"shape", "material", "position", "orientation", "velocity", "angular_velocity", "fixed", "mass", "inertia",
-               "motion"});
+  reader.only({"shape", "material", "position", "orientation", "velocity", "angular_velocity", "fixed", "mass",
+               "inertia", "motion"});
   SceneBody body;
   body.name = name;
   body.shape = read_shape_name(reader, scene);

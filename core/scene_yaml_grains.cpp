@@ -69,14 +69,15 @@ void check_range_is_met(const YamlReader& range, const SizeDistribution& size) {
   const auto outside = [&](double lower, double upper) { return upper < size.lower || lower > size.upper; };
   if (const auto* fixed = std::get_if<FixedSize>(&size.law); fixed && outside(fixed->value, fixed->value))
     refuse("the fixed size");
-  if (const auto* law = std::get_if<NormalSize>(&size.law); law && outside(law->mean - 3 * law->sd, law->mean + 3 * law->sd))
+  if (const auto* law = std::get_if<NormalSize>(&size.law);
+      law && outside(law->mean - 3 * law->sd, law->mean + 3 * law->sd))
     refuse("the law (mean plus and minus three sd)");
   if (const auto* law = std::get_if<LogNormalSize>(&size.law);
       law && outside(law->median * std::exp(-3 * law->log_sd), law->median * std::exp(3 * law->log_sd)))
     refuse("the law (median within three sd of the logarithm)");
   if (const auto* table = std::get_if<TableSize>(&size.law);
-      table && std::none_of(table->values.begin(), table->values.end(),
-                            [&](double value) { return !outside(value, value); }))
+      table &&
+      std::none_of(table->values.begin(), table->values.end(), [&](double value) { return !outside(value, value); }))
     refuse("every size of the table");
 }
 
@@ -90,8 +91,9 @@ SizeDistribution read_size(const YamlReader& reader, const std::filesystem::path
   int laws = 0;
   for (const char* law : {"fixed", "normal", "lognormal", "table"}) laws += reader.has(law) ? 1 : 0;
   if (laws != 1)
-    reader.fail(laws == 0 ? "no size law" : "more than one size law",
-                "give one of fixed: d; normal: [mean, sd]; lognormal: [median, sd of ln]; table: [d, ...] or a CSV file");
+    reader.fail(
+        laws == 0 ? "no size law" : "more than one size law",
+        "give one of fixed: d; normal: [mean, sd]; lognormal: [median, sd of ln]; table: [d, ...] or a CSV file");
   if (reader.has("fixed")) size.law = FixedSize{reader.at("fixed").number(length)};
   if (reader.has("normal")) read_normal(reader, size);
   if (reader.has("lognormal")) read_lognormal(reader, size);
@@ -102,7 +104,8 @@ SizeDistribution read_size(const YamlReader& reader, const std::filesystem::path
     const std::vector<double> limits = range.numbers(length, 2);
     size.lower = limits[0];
     size.upper = limits[1];
-    if (!(size.lower < size.upper)) range.fail("the smallest size is not below the largest", "write `[smallest, largest]`");
+    if (!(size.lower < size.upper))
+      range.fail("the smallest size is not below the largest", "write `[smallest, largest]`");
     check_range_is_met(range, size);
   }
   return size;
@@ -148,7 +151,8 @@ std::map<std::string, double> read_mix(const YamlReader& reader) {
   std::map<std::string, double> mix;
   double sum = 0;
   for (const auto& [shape, share] : reader.named()) sum += mix[shape] = share.number(non_negative(dimension::none));
-  if (!(sum > 0)) reader.fail("the shares add up to nothing", "write e.g. `{sphere: 1, twin: 1}`: shares, in any scale");
+  if (!(sum > 0))
+    reader.fail("the shares add up to nothing", "write e.g. `{sphere: 1, twin: 1}`: shares, in any scale");
   return mix;
 }
 

@@ -47,8 +47,7 @@ PairLaw read_law(const YamlReader& pair) {
   if (pair.has("friction_arm")) {
     constexpr FrictionArm arms[] = {FrictionArm::reduced_radius, FrictionArm::double_reduced_radius,
                                     FrictionArm::mean_radius};
-    law.friction_arm =
-        arms[pair.at("friction_arm").choice({"reduced_radius", "double_reduced_radius", "mean_radius"})];
+    law.friction_arm = arms[pair.at("friction_arm").choice({"reduced_radius", "double_reduced_radius", "mean_radius"})];
   }
   pair.read("restitution", law.restitution, between(0, 1));
   pair.read("cohesion", law.cohesion, non_negative(dimension::force));
@@ -68,7 +67,8 @@ void read_materials(const YamlReader& block, Scene& scene) {
 }
 
 void read_pairs(const YamlReader& block, Scene& scene) {
-  for (const auto& [key, reader] : block.named()) scene.pairs.emplace(resolve_pair(reader, key, scene), read_law(reader));
+  for (const auto& [key, reader] : block.named())
+    scene.pairs.emplace(resolve_pair(reader, key, scene), read_law(reader));
 }
 
 std::string read_material_name(const YamlReader& owner, const Scene& scene) {

@@ -10,7 +10,7 @@ namespace repose {
 namespace {
 
 const std::vector<std::string>& primitive_names() {
-  static const std::vector<std::string> names{"sphere",   "ellipsoid",  "box",  "cylinder", "cone",
+  static const std::vector<std::string> names{"sphere",     "ellipsoid",  "box",  "cylinder", "cone",
                                               "round_cone", "half_space", "mesh", "compound"};
   return names;
 }
@@ -100,7 +100,8 @@ Primitive read_primitive(const YamlReader& reader, const std::string& type, cons
     try {
       return read_obj(folder / file.text());
     } catch (const Error& error) {
-      file.fail(error.what(), "give a text OBJ file with `v x y z` and `f a b c` lines, relative to the scene's folder");
+      file.fail(error.what(),
+                "give a text OBJ file with `v x y z` and `f a b c` lines, relative to the scene's folder");
     }
   }
   const Suggestion suggestion = suggest("unknown shape type", type, extra.empty() ? type_names() : primitive_names());
@@ -111,7 +112,8 @@ std::vector<Part> read_parts(const YamlReader& reader, const std::filesystem::pa
   reader.only({"type", "parts"});
   std::vector<Part> parts;
   for (const YamlReader& item : reader.at("parts").items()) {
-    if (item.node().kind != YamlNode::Kind::map) item.fail("not a map", "write `{type: sphere, radius: ..., position: ...}`");
+    if (item.node().kind != YamlNode::Kind::map)
+      item.fail("not a map", "write `{type: sphere, radius: ..., position: ...}`");
     Part part;
     part.primitive = read_primitive(item, item.at("type").text(), {"position", "orientation"}, folder);
     item.read("position", part.pose.position, any(dimension::length));

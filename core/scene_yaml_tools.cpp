@@ -105,9 +105,9 @@ struct Kind {
 };
 
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> table{{"funnel", read_funnel},       {"base", read_base}, {"plate", read_plate},
-                                       {"floor", read_floor},         {"container", read_container},
-                                       {"cup", read_cup},             {"roller", read_roller}, {"drum", read_drum}};
+  static const std::vector<Kind> table{
+      {"funnel", read_funnel},       {"base", read_base}, {"plate", read_plate},   {"floor", read_floor},
+      {"container", read_container}, {"cup", read_cup},   {"roller", read_roller}, {"drum", read_drum}};
   return table;
 }
 

@@ -35,7 +35,8 @@ bool within(double value, const NumberRule& rule) {
 
 double parse_degrees(const std::string& text) {
   const bool has_unit = text.find_first_of("dr°") != std::string::npos;
-  return has_unit ? parse_quantity(text, dimension::angle) * 180 / std::numbers::pi : parse_quantity(text, dimension::none);
+  return has_unit ? parse_quantity(text, dimension::angle) * 180 / std::numbers::pi
+                  : parse_quantity(text, dimension::none);
 }
 
 }  // namespace
@@ -43,7 +44,9 @@ double parse_degrees(const std::string& text) {
 NumberRule any(const Dimension& dimension) { return {.dimension = dimension}; }
 NumberRule positive(const Dimension& dimension) { return {.dimension = dimension, .lower = 0, .lower_open = true}; }
 NumberRule non_negative(const Dimension& dimension) { return {.dimension = dimension, .lower = 0}; }
-NumberRule between(double lower, double upper) { return {.dimension = dimension::none, .lower = lower, .upper = upper}; }
+NumberRule between(double lower, double upper) {
+  return {.dimension = dimension::none, .lower = lower, .upper = upper};
+}
 NumberRule degrees(double lower, double upper) {
   return {.dimension = dimension::angle,
           .lower = lower,
@@ -76,7 +79,8 @@ void YamlReader::fail(const std::string& problem, const std::string& remedy) con
 void YamlReader::only(const std::vector<std::string>& keys) const {
   if (node_->kind == YamlNode::Kind::null) fail("empty; expected a map", "keys here: " + listing(keys));
   if (node_->kind != YamlNode::Kind::map)
-    fail(fmt::format("is {}; expected a map", describe(*node_)), "write `{key: value, ...}`; keys here: " + listing(keys));
+    fail(fmt::format("is {}; expected a map", describe(*node_)),
+         "write `{key: value, ...}`; keys here: " + listing(keys));
   for (const YamlEntry& entry : node_->entries) {
     if (std::find(keys.begin(), keys.end(), entry.key) != keys.end()) continue;
     const std::string near = nearest(entry.key, keys);
@@ -122,7 +126,7 @@ std::vector<std::pair<std::string, YamlReader>> YamlReader::named() const {
 }
 
 double YamlReader::number(const NumberRule& rule) const {
-  const std::string expected = rule.degrees                          ? "an angle in degrees"
+  const std::string expected = rule.degrees                        ? "an angle in degrees"
                                : rule.dimension == dimension::none ? "a number"
                                                                    : "a number in " + unit_of(rule.dimension);
   if (node_->kind != YamlNode::Kind::scalar)

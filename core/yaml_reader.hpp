@@ -31,8 +31,8 @@ struct NumberRule {
 NumberRule any(const Dimension& dimension);
 NumberRule positive(const Dimension& dimension);
 NumberRule non_negative(const Dimension& dimension);
-NumberRule between(double lower, double upper);                ///< dimensionless, bounds included
-NumberRule degrees(double lower, double upper);                ///< bounds excluded
+NumberRule between(double lower, double upper);  ///< dimensionless, bounds included
+NumberRule degrees(double lower, double upper);  ///< bounds excluded
 
 /// A node with its place. Cheap to copy; the tree must outlive it.
 class YamlReader {
@@ -47,18 +47,18 @@ class YamlReader {
   /// Demands a map that holds none but these keys.
   void only(const std::vector<std::string>& keys) const;
   bool has(const std::string& key) const;
-  YamlReader at(const std::string& key) const;   ///< throws if missing
-  std::vector<YamlReader> items() const;         ///< of a list; throws for anything else
+  YamlReader at(const std::string& key) const;  ///< throws if missing
+  std::vector<YamlReader> items() const;        ///< of a list; throws for anything else
   /// The named parts of a map: (name, reader). Names are letters, digits, `_`, `-`.
   std::vector<std::pair<std::string, YamlReader>> named() const;
 
   double number(const NumberRule& rule) const;
-  std::size_t count() const;                     ///< a whole number, at least 1
+  std::size_t count() const;  ///< a whole number, at least 1
   bool flag() const;
   std::string text() const;
-  Vec3 vector(const NumberRule& rule) const;     ///< three numbers
+  Vec3 vector(const NumberRule& rule) const;  ///< three numbers
   std::vector<double> numbers(const NumberRule& rule, std::size_t length) const;
-  Quat quaternion() const;                       ///< [w, x, y, z], unit to 1 %; normalised
+  Quat quaternion() const;  ///< [w, x, y, z], unit to 1 %; normalised
   /// The index of a word of the list.
   std::size_t choice(const std::vector<std::string>& words) const;
 
@@ -76,10 +76,11 @@ class YamlReader {
 
   const YamlNode* node_;
   std::string file_, path_;
-  int line_ = 0;   ///< of the key; 0 within an override
+  int line_ = 0;  ///< of the key; 0 within an override
 };
 
-/// `what` with the nearest of `words` and all of them: "unknown shape type `shpere`; did you mean `sphere`?" and a remedy.
+/// `what` with the nearest of `words` and all of them: "unknown shape type `shpere`; did you mean `sphere`?" and a
+/// remedy.
 struct Suggestion {
   std::string problem, remedy;
 };

@@ -95,8 +95,8 @@ void emit(YAML::Emitter& out, const YamlNode& node, bool flow) {
     case YamlNode::Kind::sequence: {
       // Lists of maps (parts of a compound, observables) read better as blocks.
       const bool plain = flow || std::all_of(node.items.begin(), node.items.end(), [](const YamlNode& item) {
-        return item.kind == YamlNode::Kind::scalar || item.kind == YamlNode::Kind::null;
-      });
+                           return item.kind == YamlNode::Kind::scalar || item.kind == YamlNode::Kind::null;
+                         });
       if (plain) out << YAML::Flow;
       out << YAML::BeginSeq;
       for (const YamlNode& item : node.items) emit(out, item, plain);
@@ -136,13 +136,13 @@ YamlNode parse_yaml(const std::string& text, const std::string& name) {
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1)
-      conversion.fail(documents[1].Mark().line + 1, "a second YAML document begins here", "one scene per file: remove `---`");
+      conversion.fail(documents[1].Mark().line + 1, "a second YAML document begins here",
+                      "one scene per file: remove `---`");
     if (documents.empty() || documents[0].IsNull())
       conversion.fail(0, "empty", "a scene is a YAML map; `repose check --help` shows one");
     return conversion.convert(documents[0], 0);
   } catch (const YAML::Exception& error) {
-    conversion.fail(error.mark.is_null() ? 0 : error.mark.line + 1,
-                    "not valid YAML: " + error.msg,
+    conversion.fail(error.mark.is_null() ? 0 : error.mark.line + 1, "not valid YAML: " + error.msg,
                     "check indentation (blanks, no tabs), brackets, and the blank after each colon near this line");
   }
 }
@@ -177,7 +177,8 @@ void set_path(YamlNode& root, const std::string& path, const std::string& value)
       throw Error(place, fmt::format("`{}` lies inside a plain value, {}", part, describe(*node)),
                   "shorten the path, or set the whole value");
     node->kind = YamlNode::Kind::map;
-    auto entry = std::find_if(node->entries.begin(), node->entries.end(), [&](const YamlEntry& e) { return e.key == part; });
+    auto entry =
+        std::find_if(node->entries.begin(), node->entries.end(), [&](const YamlEntry& e) { return e.key == part; });
     if (entry == node->entries.end()) {
       const std::vector<std::string> keys = keys_of(*node);
       const std::string near = nearest(part, keys);

@@ -27,14 +27,14 @@ struct YamlEntry {
   YamlNode value;
 };
 
-/// Parses one document. Throws Error ("name:line: ...") for malformed YAML, an empty text, binary data, several documents,
-/// keys that are not scalars, duplicate keys, and texts or alias expansions beyond `yaml_limit` nodes.
+/// Parses one document. Throws Error ("name:line: ...") for malformed YAML, an empty text, binary data, several
+/// documents, keys that are not scalars, duplicate keys, and texts or alias expansions beyond `yaml_limit` nodes.
 YamlNode parse_yaml(const std::string& text, const std::string& name);
 inline constexpr int yaml_limit = 1'000'000;
 
-/// Sets the key at `path` ("grains.powder.size.range.1": map keys and sequence indices) to `value`, YAML text. The names
-/// under bodies, grains, materials, shapes and tools must exist; other keys are added where they are missing, and the
-/// reader judges them later. Throws Error naming the nearest key.
+/// Sets the key at `path` ("grains.powder.size.range.1": map keys and sequence indices) to `value`, YAML text. The
+/// names under bodies, grains, materials, shapes and tools must exist; other keys are added where they are missing, and
+/// the reader judges them later. Throws Error naming the nearest key.
 void set_path(YamlNode& root, const std::string& path, const std::string& value);
 
 /// Canonical YAML: block maps in the order of the tree, sequences in flow style. Parses back to an equal tree.

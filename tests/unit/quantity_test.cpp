@@ -77,15 +77,16 @@ TEST(Quantity, UnknownUnitNamesTheNearest) {
 }
 
 TEST(Quantity, MalformedNumbersAreRefused) {
-  const std::vector<std::string> bad{"",    " ",    "nan",   ".nan", "NaN m", "inf",  "-.inf", "Infinity", "abc", "1,5",  "--1", "+-1",
-                                     "1 2", "5 -",  "1e999", "1e-999", "0x10 m", "1 /s/", "1 m/",  "1 m^99", "1 *m", "1..2", "5 m^", "\xff"};
+  const std::vector<std::string> bad{"",       " ",     "nan",  ".nan",   "NaN m", "inf",  "-.inf", "Infinity",
+                                     "abc",    "1,5",   "--1",  "+-1",    "1 2",   "5 -",  "1e999", "1e-999",
+                                     "0x10 m", "1 /s/", "1 m/", "1 m^99", "1 *m",  "1..2", "5 m^",  "\xff"};
   for (const std::string& text : bad) EXPECT_THROW(parse_quantity(text, dimension::length), Error) << text;
 }
 
 TEST(Quantity, UnitNamesReadBack) {
-  for (const Dimension& d : {dimension::length, dimension::velocity, dimension::acceleration, dimension::density, dimension::force,
-                             dimension::viscosity, dimension::inertia, dimension::stiffness, dimension::damping,
-                             dimension::angular_velocity, dimension::temperature})
+  for (const Dimension& d : {dimension::length, dimension::velocity, dimension::acceleration, dimension::density,
+                             dimension::force, dimension::viscosity, dimension::inertia, dimension::stiffness,
+                             dimension::damping, dimension::angular_velocity, dimension::temperature})
     EXPECT_EQ(parse_quantity("3 " + unit_of(d), d), 3) << unit_of(d);
 }
 

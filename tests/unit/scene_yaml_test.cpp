@@ -198,9 +198,10 @@ TEST(SceneYaml, BadOverridesNameThemselves) {
 
 TEST(SceneYaml, TextsThatAreNoScenesAreRefused) {
   for (const std::string& text :
-       {std::string(), std::string("\n\n"), std::string("# only a comment\n"), std::string("hello"), std::string("[1, 2]"),
-        std::string("\0\0", 2), std::string("a: &x [*x]"), std::string(100000, '['), std::string(100000, '{'), std::string("%PDF-1.4"),
-        std::string("? [a, b] : 1"), std::string("a: *nobody"), std::string("\t- x"), std::string("materials: 3\nduration: 1")})
+       {std::string(), std::string("\n\n"), std::string("# only a comment\n"), std::string("hello"),
+        std::string("[1, 2]"), std::string("\0\0", 2), std::string("a: &x [*x]"), std::string(100000, '['),
+        std::string(100000, '{'), std::string("%PDF-1.4"), std::string("? [a, b] : 1"), std::string("a: *nobody"),
+        std::string("\t- x"), std::string("materials: 3\nduration: 1")})
     EXPECT_THROW(parse(text), Error) << text.substr(0, 40);
 }
 
@@ -222,7 +223,8 @@ TEST(SceneYaml, FilesAreNamedInMessages) {
 TEST(SceneYaml, ReadsMeshesAndRefusesBrokenOnes) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "scene_yaml_test";
   std::filesystem::create_directories(folder);
-  std::ofstream(folder / "tetra.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1/1 4/2 3/3\nf -3 -2 -1\n";
+  std::ofstream(folder / "tetra.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1/1 4/2 3/3\nf -3 -2 -1\n";
   std::ofstream(folder / "bad.obj") << "v 0 0 0\nv 1 0 0\nf 1 2 9\n";
   const auto scene = [&](const std::string& file) {
     return parse_scene("materials: {a: {density: 1000}}\nshapes: {m: {type: mesh, file: " + file +
