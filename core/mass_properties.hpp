@@ -15,7 +15,7 @@ MassProperties mass_properties(const Primitive& primitive);
 ///   V = pi int r(x)^2 dx,  J_axis = pi/2 int r^4 dx,  J_perp = pi int (r^4/4 + r^2 (x - xc)^2) dx,
 /// with r(x) the largest section radius, integrated between its breakpoints by Gauss-Legendre quadrature.
 /// Disjoint parts: the sum. Otherwise: along a grid of rays the covered intervals are exact, and the error is that of the
-/// grid (512 x 512: below 1e-4 relative, 10 ms for a part or two). Which way is taken is decided for each cluster of
+/// grid (512 x 512: below 1e-4 relative; some 10 ms per part). Which way is taken is decided for each cluster of
 /// overlapping parts on its own. Throws Error for half-spaces, and for revolved solids that overlap other parts.
 MassProperties union_mass_properties(std::span<const Part> parts);
 

@@ -30,7 +30,7 @@ Vec3 half_extents(const Shape& shape) {
 void expect_body_frame(const Shape& shape) {
   SCOPED_TRACE(shape.kind);
   const auto inside = [&](const Vec3& p) { return contains(shape, p); };
-  const MassProperties counted = test::lattice_mass(inside, Vec3::Zero(), half_extents(shape), 500'000);
+  const MassProperties counted = test::lattice_mass(inside, Vec3::Zero(), half_extents(shape), 250'000);
   const double largest = shape.mass.inertia.diagonal().maxCoeff();
   EXPECT_NEAR(shape.mass.volume, std::numbers::pi / 6, 1e-14);
   EXPECT_NEAR(counted.volume, shape.mass.volume, 1e-3 * shape.mass.volume);
@@ -68,7 +68,7 @@ TEST(GrainShape, UnevenProportionsAgainstCounting) {
     SCOPED_TRACE(name);
     const Shape shape = make_grain_shape(name, p);
     const auto inside = [&](const Vec3& q) { return contains(shape, q); };
-    const MassProperties counted = test::lattice_mass(inside, Vec3::Zero(), half_extents(shape), 500'000);
+    const MassProperties counted = test::lattice_mass(inside, Vec3::Zero(), half_extents(shape), 250'000);
     EXPECT_NEAR(counted.volume, std::numbers::pi / 6, 1e-3);
     EXPECT_LT(counted.centre.norm(), 5e-4);
     EXPECT_LT((counted.inertia - shape.mass.inertia).cwiseAbs().maxCoeff(), 1e-3 * shape.mass.inertia.maxCoeff());
