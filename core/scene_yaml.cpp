@@ -1,5 +1,6 @@
 #include "core/scene_yaml.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -100,7 +101,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   if (root.has("effects")) read_effects(root.at("effects"), scene);
   if (root.has("solver")) read_solver(root.at("solver"), scene);
   root.require("duration", scene.duration, positive(dimension::time));
-  scene.frame_interval = scene.duration / 100;
+  scene.frame_interval = std::max(scene.duration / 100, scene.solver.time_step);
   root.read("frame_interval", scene.frame_interval, positive(dimension::time));
   if (root.has("record")) check_record(root.at("record"));
 
