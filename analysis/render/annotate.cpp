@@ -13,7 +13,7 @@
 namespace repose {
 namespace {
 
-const Vec3 ink(0.96, 0.97, 0.98), panel(0.07, 0.09, 0.11);
+const Vec3 ink(0.96, 0.97, 0.98), faint_ink(0.76, 0.80, 0.84), panel(0.07, 0.09, 0.11);
 constexpr double panel_cover = 0.42;
 
 /// Sizes follow the picture, so that a small one stays readable and a large one is not overrun.
@@ -74,32 +74,45 @@ std::string grouped(std::size_t number) {
 void draw_legend(Image& image, const std::vector<LegendEntry>& entries) {
   if (entries.empty()) return;
   const Typesetter type;
-  const double size = em(image), row = 1.75 * size, icon = 1.5 * size, pad = 0.7 * size;
-  double names = 0, counts = 0;
+  const double size = em(image), row = 1.75 * size, icon = 1.5 * size, pad = 0.7 * size, border = 1.1 * size;
+  const double icon_gap = 0.4 * size, count_gap = 0.45 * size, item_gap = 1.5 * size;
+  struct Item {
+    std::string name, count;
+    const Shape* shape;
+    double width, x, y;
+  };
+  std::vector<Item> items;
   std::size_t total = 0;
   for (const LegendEntry& e : entries) {
-    names = std::max(names, type.width(shape_label(e.kind), size));
-    counts = std::max(counts, type.width(grouped(e.count), size));
     total += e.count;
+    Item item{shape_label(e.kind), grouped(e.count), e.shape, 0, 0, 0};
+    item.width = icon + icon_gap + type.width(item.name, size) + count_gap + type.width(item.count, size);
+    items.push_back(std::move(item));
   }
-  const std::string title = grouped(total) + (total == 1 ? " body" : " bodies");
-  const bool titled = entries.size() > 1;
-  const double width = std::max(icon + 0.6 * size + names + 1.2 * size + counts, type.width(title, size)) + 2 * pad;
-  const double height = row * static_cast<double>(entries.size() + (titled ? 1 : 0)) + 1.2 * pad;
-  const double left = 1.1 * size, top = 1.1 * size;
-  fill_rounded(image, left, top, width, height, 0.6 * size, panel, panel_cover);
-  double y = top + 0.6 * pad;
-  for (const LegendEntry& e : entries) {
-    draw_sample(image, *e.shape, static_cast<int>(left + pad), static_cast<int>(y + 0.5 * (row - icon)), static_cast<int>(icon));
-    const double base = y + 0.5 * row + 0.36 * size;
-    type.draw(image, left + pad + icon + 0.6 * size, base, shape_label(e.kind), size, ink);
-    const std::string count = grouped(e.count);
-    type.draw(image, left + width - pad - type.width(count, size), base, count, size, ink);
-    y += row;
+  if (items.size() > 1) {
+    const std::string name = entries.front().grains ? "grains" : "bodies";
+    items.insert(items.begin(), {name, grouped(total), nullptr, type.width(name, size) + count_gap + type.width(grouped(total), size), 0, 0});
   }
-  if (titled) {
-    fill_rounded(image, left + pad, y + 0.02 * size, width - 2 * pad, std::max(1.0, 0.06 * size), 0, ink, 0.5);
-    type.draw(image, left + width - pad - type.width(title, size), y + 0.5 * row + 0.42 * size, title, size, ink);
+  // The items flow like words, so that the legend takes a strip of any picture, however narrow.
+  double x = 0, y = 0, widest = 0;
+  for (Item& item : items) {
+    if (x > 0 && x + item.width > image.width - 2 * (border + pad)) x = 0, y += row;
+    item.x = x;
+    item.y = y;
+    widest = std::max(widest, x + item.width);
+    x += item.width + item_gap;
+  }
+  fill_rounded(image, border, border, widest + 2 * pad, y + row + 0.6 * pad, 0.6 * size, panel, panel_cover);
+  for (const Item& item : items) {
+    double pen = border + pad + item.x;
+    const double top = border + 0.3 * pad + item.y, base = top + 0.5 * row + 0.36 * size;
+    if (item.shape) {
+      draw_sample(image, *item.shape, static_cast<int>(pen), static_cast<int>(top + 0.5 * (row - icon)), static_cast<int>(icon));
+      pen += icon + icon_gap;
+    }
+    type.draw(image, pen, base, item.shape ? item.name : item.count, size, ink);
+    pen += type.width(item.shape ? item.name : item.count, size) + count_gap;
+    type.draw(image, pen, base, item.shape ? item.count : item.name, size, item.shape ? faint_ink : ink);
   }
 }
 

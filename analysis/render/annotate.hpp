@@ -12,9 +12,10 @@ struct LegendEntry {
   std::string kind;             ///< shape kind
   const Shape* shape = nullptr;
   std::size_t count = 0;
+  bool grains = false;          ///< else bodies of other kinds
 };
 
-/// Top left: a small picture of each shape, its name, how many there are.
+/// Along the top: how many grains in all; then a small picture of each shape, its name, how many there are.
 void draw_legend(Image& image, const std::vector<LegendEntry>& entries);
 
 /// Bottom right: a bar of a round length, with its label. `pixel` is the size of a pixel [m].

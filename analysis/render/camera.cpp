@@ -13,7 +13,7 @@ constexpr double pi = std::numbers::pi;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Half of the vertical opening angle of the perspective view: narrow, so that a heap is hardly distorted.
 constexpr double half_opening = 11 * pi / 180;
-constexpr double iso_elevation = 20 * pi / 180, iso_azimuth = 30 * pi / 180;
+constexpr double iso_elevation = 27 * pi / 180, iso_azimuth = 30 * pi / 180;
 /// A tool is framed as far as it lies within this many extents of the bodies that move.
 constexpr double tool_reach = 0.5;
 

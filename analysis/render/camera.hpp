@@ -20,7 +20,7 @@ struct Camera {
 };
 
 enum class View {
-  iso,   ///< three-quarter view from 20 degrees above, 30 degrees off the y axis, in perspective
+  iso,   ///< three-quarter view from 27 degrees above, 30 degrees off the y axis, in perspective
   side,  ///< along +y, orthographic: flanks keep their angle
   top,   ///< along -z, orthographic, +x to the right
 };
@@ -32,7 +32,7 @@ struct FrameOptions {
   View view = View::iso;
   double aspect = 1.6;              ///< width / height of the picture, > 0
   double azimuth_deg = 0;           ///< turns the eye about z from the view's own place, -y towards +x (iso and side)
-  double margin = 0.07;             ///< free border, as a fraction of the picture
+  double margin = 0.085;            ///< free border, as a fraction of the picture
   std::vector<std::string> hide;    ///< names of bodies and tools that are not drawn
 };
 

@@ -49,6 +49,7 @@ std::vector<LegendEntry> legend_entries(const Model& model, double time, const R
     LegendEntry& entry = found[shape.kind];
     entry.kind = shape.kind;
     if (!entry.shape) entry.shape = &shape;
+    entry.grains = model.bodies[i].role == BodyRole::grain;
     ++entry.count;
   }
   std::vector<LegendEntry> entries;

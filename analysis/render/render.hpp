@@ -16,7 +16,7 @@ struct RenderOptions {
   int threads = 0;                  ///< 0: all; never changes a byte
   std::vector<std::string> hide;    ///< names of bodies and tools that are not drawn
   std::string only;                 ///< if not empty: of the bodies that move, only those of this shape kind
-  bool legend = true;               ///< shapes and their numbers, top left
+  bool legend = true;               ///< shapes and their numbers, along the top
   bool scale_bar = true;            ///< at the depth of the camera's target, bottom right
   std::string caption;              ///< a line at the bottom left, UTF-8; "t = 0.8 s"
 };

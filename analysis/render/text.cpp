@@ -96,6 +96,7 @@ void blend(Image& image, int x, int y, const Vec3& colour, double cover) {
 
 void fill_rounded(Image& image, double x, double y, double width, double height, double corner, const Vec3& colour,
                   double cover) {
+  corner = std::max(corner, 0.5);  // a sharper one would fade the inside too
   const double half_x = width / 2, half_y = height / 2, centre_x = x + half_x, centre_y = y + half_y;
   for (int row = static_cast<int>(y) - 1; row <= static_cast<int>(y + height) + 1; ++row)
     for (int column = static_cast<int>(x) - 1; column <= static_cast<int>(x + width) + 1; ++column) {

@@ -32,7 +32,7 @@ inline Model picture_heap(const PictureHeap& heap) {
   };
   const double d = heap.diameter, slope = std::tan(heap.angle_deg * std::numbers::pi / 180);
   // A cone of solid fraction about 0.45 that holds nine grains of ten; the rest lies in the trench.
-  const double volume = 0.9 * static_cast<double>(heap.grains) * std::numbers::pi / 6 * d * d * d * 1.2 / 0.42;
+  const double volume = 0.9 * static_cast<double>(heap.grains) * std::numbers::pi / 6 * d * d * d / 0.5;
   const double foot = std::cbrt(3 * volume / (std::numbers::pi * slope));
 
   ModelBuilder builder;
