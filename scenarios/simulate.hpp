@@ -1,0 +1,47 @@
+#pragma once
+/// The core that the commands share: scene -> plausibility -> model -> backend -> recorded run -> result.json.
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/plausibility.hpp"
+#include "core/run.hpp"
+#include "core/scene.hpp"
+#include "scenarios/command_line.hpp"
+
+namespace repose {
+
+/// A scene that is ready to run.
+struct Prepared {
+  Scene scene;                           ///< with the threads that were asked for
+  Model model;
+  const Backend* backend = nullptr;
+  std::vector<std::string> unsupported;  ///< what the backend leaves out; not empty only with --allow-unsupported
+  std::vector<Finding> findings;         ///< warnings and, with --force, refusals
+};
+
+/// Loads the scene with the overrides of `options`, checks its plausibility (warnings go to stderr), makes the grains, and
+/// asks the backend what it cannot do. Throws Error for what is refused.
+Prepared prepare(const std::filesystem::path& scene_file, const Options& options);
+
+/// As above for a scene that is already loaded or edited.
+Prepared prepare(Scene scene, const Options& options);
+
+/// Runs it with frames, checkpoints and progress into options.out. A fresh run first removes `main_file` there (the folder
+/// is complete exactly when it is present). `finished`: see RunHooks; may be empty.
+RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file = "result.json",
+                   std::function<bool(const Snapshot&, const StepReport&)> finished = {});
+
+/// The JSON text of an object with the keys that every result.json has; a command adds its own.
+std::string common_result(const std::string& scenario, const Prepared& prepared, const Options& options,
+                          const RunReport& report);
+
+/// Writes the main file, last of all, durably. `json`: the text of an object.
+void write_result(const std::filesystem::path& file, const std::string& json);
+
+/// The exit status that the report asks for; tells on stderr what is wrong and how to go on. 130 if interrupted (no result
+/// should be written then), 3 if fewer than 95 % of the steps converged (the result is written all the same), else 0.
+int report_status(const RunReport& report, const Options& options);
+
+}  // namespace repose
