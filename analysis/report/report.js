@@ -1,0 +1,212 @@
+"use strict";
+// Draws every chart of the page with Chart.js, then says on the root element how many came out:
+// data-charts-drawn, data-charts-expected, and data-error if anything went wrong.
+(() => {
+  const root = document.documentElement;
+  const problem = (message) => { root.dataset.error = ((root.dataset.error || "") + " " + message).trim(); };
+  window.addEventListener("error", (event) => problem(event.message));
+
+  // Okabe & Ito (2008): told apart by colour-blind readers; each with its own marker, for print without colour.
+  const lightColours = ["#0072b2", "#d55e00", "#009e73", "#b0478a", "#b97f00", "#3a3f44"];
+  const darkColours = ["#56b4e9", "#ff8c42", "#2fcf9f", "#e29cc9", "#f0c040", "#cfd6db"];
+  const markers = ["circle", "rect", "triangle", "rectRot", "crossRot", "star"];
+
+  const style = (name) => getComputedStyle(root).getPropertyValue(name).trim();
+  const isDark = () => window.matchMedia("(prefers-color-scheme: dark)").matches && !window.matchMedia("print").matches;
+  const withAlpha = (hex, alpha) => hex + Math.round(alpha * 255).toString(16).padStart(2, "0");
+
+  // Chart.js has neither error bars nor reference bands.
+  const bandsAndErrors = {
+    id: "bandsAndErrors",
+    beforeDatasetsDraw(chart, _args, options) {
+      const { ctx, chartArea: area, scales } = chart;
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(area.left, area.top, area.width, area.height);
+      ctx.clip();
+      for (const band of options.bands) {
+        const middle = scales.y.getPixelForValue(band.value);
+        if (band.half > 0) {
+          const top = scales.y.getPixelForValue(band.value + band.half);
+          const bottom = scales.y.getPixelForValue(band.value - band.half);
+          ctx.fillStyle = withAlpha(options.ink, 0.1);
+          ctx.fillRect(area.left, top, area.width, bottom - top);
+        }
+        ctx.strokeStyle = withAlpha(options.ink, 0.65);
+        ctx.lineWidth = 1.5;
+        ctx.setLineDash([6, 4]);
+        ctx.beginPath();
+        ctx.moveTo(area.left, middle);
+        ctx.lineTo(area.right, middle);
+        ctx.stroke();
+        ctx.setLineDash([]);
+        ctx.fillStyle = options.ink;
+        ctx.font = "12px " + getComputedStyle(document.body).fontFamily;
+        ctx.textAlign = "right";
+        ctx.fillText(band.name, area.right - 6, middle - 5);
+      }
+      ctx.restore();
+    },
+    afterDatasetsDraw(chart) {
+      const { ctx, chartArea: area, scales } = chart;
+      ctx.save();
+      ctx.beginPath();
+      ctx.rect(area.left, area.top, area.width, area.height);
+      ctx.clip();
+      chart.data.datasets.forEach((set, index) => {
+        if (!chart.isDatasetVisible(index)) return;
+        ctx.strokeStyle = set.borderColor;
+        ctx.lineWidth = 1.5;
+        ctx.beginPath();
+        for (const point of set.data) {
+          if (!(point.e > 0) || point.y === null) continue;
+          const x = scales.x.getPixelForValue(point.x);
+          const high = scales.y.getPixelForValue(point.y + point.e);
+          const below = point.y - point.e;
+          const low = scales.y.type === "logarithmic" && below <= 0 ? area.bottom : scales.y.getPixelForValue(below);
+          ctx.moveTo(x, high);
+          ctx.lineTo(x, low);
+          for (const end of [high, low]) {
+            ctx.moveTo(x - 4, end);
+            ctx.lineTo(x + 4, end);
+          }
+        }
+        ctx.stroke();
+      });
+      ctx.restore();
+    },
+  };
+
+  // The values an axis has to show, error bars and references included.
+  const extent = (data, axis) => {
+    let low = Infinity, high = -Infinity;
+    const include = (value) => { low = Math.min(low, value); high = Math.max(high, value); };
+    for (const series of data.series)
+      for (const point of series.data) {
+        if (point[axis] === null) continue;
+        include(point[axis]);
+        if (axis === "y" && point.e > 0) { include(point.y + point.e); include(point.y - point.e); }
+      }
+    if (axis === "y") for (const band of data.bands) { include(band.value + band.half); include(band.value - band.half); }
+    return { low, high };
+  };
+
+  const scale = (data, axis, colours) => {
+    const logarithmic = data[axis].log;
+    const { low, high } = extent(data, axis);
+    const room = high > low ? 0.04 * (high - low) : 0.1 * Math.abs(high) || 1;
+    const result = {
+      type: logarithmic ? "logarithmic" : "linear",
+      title: { display: true, text: data[axis].title, color: colours.soft },
+      grid: { color: colours.line, borderColor: colours.soft },
+      ticks: { color: colours.soft, maxRotation: 0 },
+    };
+    if (!Number.isFinite(low)) return result;
+    if (!logarithmic) {
+      result.suggestedMin = axis === "x" ? low : low - room;
+      result.suggestedMax = axis === "x" ? high : high + room;
+      if (low >= 0 && low - room < 0) result.suggestedMin = 0;
+    } else {
+      const decade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
+      const decades = Math.log10(high / Math.max(low, 1e-300));
+      result.ticks.callback = (value) => (decade(value) || decades < 1.5 ? Number(value).toPrecision(1).replace(/\.?0+e/, "e") : "");
+    }
+    return result;
+  };
+
+  // As long a metre on x as on y: widen whichever axis has room.
+  const equalise = (chart, data) => {
+    const area = chart.chartArea;
+    const x = extent(data, "x"), y = extent(data, "y");
+    const spanX = 1.06 * (x.high - x.low), spanY = 1.06 * (y.high - y.low);
+    const perPixel = Math.max(spanX / area.width, spanY / area.height);
+    const middle = 0.5 * (x.low + x.high);
+    chart.options.scales.x.min = x.low >= 0 ? 0 : middle - 0.5 * perPixel * area.width;
+    chart.options.scales.x.max = chart.options.scales.x.min + perPixel * area.width;
+    chart.options.scales.y.min = y.low >= 0 ? 0 : y.low - 0.03 * spanY;
+    chart.options.scales.y.max = chart.options.scales.y.min + perPixel * area.height;
+    chart.update("none");
+  };
+
+  const draw = (holder) => {
+    const data = JSON.parse(holder.textContent);
+    const canvas = document.getElementById(holder.dataset.canvas);
+    const colours = { ink: style("--ink"), soft: style("--soft"), line: style("--line") };
+    const palette = isDark() ? darkColours : lightColours;
+    const datasets = data.series.map((series, index) => {
+      const colour = palette[index % palette.length];
+      return {
+        label: series.name,
+        data: series.data,
+        showLine: series.line,
+        borderColor: colour,
+        backgroundColor: withAlpha(colour, 0.85),
+        borderWidth: 2,
+        borderDash: series.dashed ? [7, 4] : [],
+        pointStyle: markers[index % markers.length],
+        pointRadius: series.points ? 4.5 : 0,
+        pointHitRadius: 8,
+        spanGaps: false,
+      };
+    });
+    const chart = new Chart(canvas, {
+      type: "scatter",
+      data: { datasets },
+      options: {
+        animation: false,
+        maintainAspectRatio: false,
+        responsive: true,
+        font: { family: getComputedStyle(document.body).fontFamily },
+        scales: { x: scale(data, "x", colours), y: scale(data, "y", colours) },
+        plugins: {
+          legend: {
+            display: datasets.length > 1,
+            labels: { color: colours.ink, usePointStyle: true, boxWidth: 24 },
+          },
+          tooltip: {
+            callbacks: {
+              label: (item) => {
+                const point = item.raw;
+                const error = point.e > 0 ? " ± " + Number(point.e.toPrecision(3)) : "";
+                return item.dataset.label + ": " + Number(point.x.toPrecision(6)) + ", " + Number(point.y.toPrecision(6)) + error;
+              },
+            },
+          },
+          bandsAndErrors: { bands: data.bands, ink: colours.ink },
+        },
+      },
+      plugins: [bandsAndErrors],
+    });
+    if (data.equal) equalise(chart, data);
+    return chart;
+  };
+
+  // A chart counts as drawn if its canvas holds ink in more than one place.
+  const hasInk = (canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let inked = 0;
+    for (let i = 3; i < data.length; i += 4) if (data[i] > 0) ++inked;
+    return inked > 500;
+  };
+
+  let charts = [];
+  const drawAll = () => {
+    for (const chart of charts) chart.destroy();
+    charts = [];
+    const holders = [...document.querySelectorAll("script.chart-data")];
+    root.dataset.chartsExpected = holders.length;
+    for (const holder of holders) {
+      try {
+        charts.push(draw(holder));
+      } catch (error) {
+        problem(holder.dataset.canvas + ": " + error.message);
+      }
+    }
+    root.dataset.chartsDrawn = charts.filter((chart) => hasInk(chart.canvas)).length;
+  };
+
+  drawAll();
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", drawAll);
+  window.addEventListener("beforeprint", drawAll);
+  window.addEventListener("afterprint", drawAll);
+})();
