@@ -23,7 +23,8 @@ foreach(folder core backends analysis)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/repose
           FILES_MATCHING PATTERN "*.hpp")
 endforeach()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenarios/configs DESTINATION ${CMAKE_INSTALL_DATADIR}/repose)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenarios/configs ${PROJECT_SOURCE_DIR}/analysis/reference
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/repose)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ReposeConfig.cmake.in ${PROJECT_BINARY_DIR}/ReposeConfig.cmake
