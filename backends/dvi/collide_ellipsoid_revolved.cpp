@@ -82,6 +82,7 @@ class EllipsoidOnProfile {
         if (profile_.is_convex(k) && (at_.point - profile_.point(k)).norm() <= largest_ + margin_) circle(k);
       }
     }
+    if (count_ == 0 && !solid_.convex) pierced(nearest);
     return emit();
   }
 
@@ -110,6 +111,16 @@ class EllipsoidOnProfile {
     for (int k = 1; k < count_; ++k)
       if (found_[static_cast<std::size_t>(k)].gap > found_[0].gap) found_[0] = found_[static_cast<std::size_t>(k)];
     count_ = std::min(count_, 1);
+  }
+
+  /// The nearest surface point lies inside the ellipsoid, yet no feature has a stationary point of its own: a deep overlap
+  /// with a rim. The plane through that point, square to the line to the centre, parts the two.
+  void pierced(const ProfileNearest& nearest) {
+    const Vec3 n = at_.lift(nearest.normal), foot = local_.centre - nearest.distance * n;
+    if (nearest_on_ellipsoid(local_.semi_axes, local_.rotation.transpose() * (foot - local_.centre)).t >= 0) return;
+    const Vec3 qn = q_ * n;
+    const double h = std::sqrt(n.dot(qn)), gap = nearest.distance - h;
+    add({local_.centre - qn / h - 0.5 * gap * n, -n, gap, 4 * nearest.feature.id() + 3});
   }
 
   /// G(phi) = n(phi).c - k - h(n(phi)): largest on a surface that bulges (convex pair), least in a hollow.

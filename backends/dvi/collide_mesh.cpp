@@ -124,6 +124,14 @@ std::uint32_t name_of(int triangle, int region) {
 
 }  // namespace
 
+PointDistance point_distance(const PlacedMesh& b, const Vec3& point) {
+  const Vec3 local = b.to_local(point);
+  const MeshNearest nearest = nearest_on_mesh(MeshView(b.mesh), local);
+  const double distance = std::sqrt(nearest.nearest.distance2), sign = nearest.inside ? -1 : 1;
+  const Vec3 n = distance > 0 ? Vec3(sign * (local - nearest.nearest.point) / distance) : nearest.outward;
+  return {sign * b.scale * distance, b.rotation * n};
+}
+
 void collide_sphere_mesh(const PlacedSphere& a, const PlacedMesh& b, const ContactSink& sink,
                          std::uint32_t feature_offset, std::uint32_t feature_stride) {
   const MeshView mesh(b.mesh);
@@ -188,7 +196,6 @@ void collide_convex_mesh(const ConvexBody& a, const PlacedMesh& b, const Contact
   }
   if (nearest.nearest.distance2 > reach * reach) return;
   const std::size_t first = sink.out->size();
-  std::size_t kept = first;
   for (int t = 0; t < mesh.size(); ++t) {
     const Corners local = mesh.corners(t);
     const Vec3 local_normal = mesh.normal(t);
@@ -208,19 +215,9 @@ void collide_convex_mesh(const ConvexBody& a, const PlacedMesh& b, const Contact
       if (found.normal.dot(up) > -1 + 1e-12 && neighbour_rises(b, mesh, t, found.on_b, -found.normal, a.extent)) continue;
     }
     add_contacts(a, triangle, found, sink, static_cast<std::uint32_t>(t) << 18);
-    // Triangles that share an edge find the same points along it.
-    for (std::size_t k = kept; k < sink.out->size(); ++k) {
-      const ContactPoint candidate = (*sink.out)[k];
-      bool known = false;
-      for (std::size_t other = first; other < kept && !known; ++other) {
-        const ContactPoint& c = (*sink.out)[other];
-        known = (c.point - candidate.point).squaredNorm() < 1e-12 * a.extent * a.extent &&
-                c.normal.dot(candidate.normal) > 0.9999;
-      }
-      if (!known) (*sink.out)[kept++] = candidate;
-    }
-    sink.out->resize(kept);
   }
+  // Triangles that share an edge find the same points along it.
+  merge_repeated(*sink.out, first, 1e-6 * a.extent);
 }
 
 void collide_meshes(const PlacedMesh& a, const PlacedMesh& b, const ContactSink& sink) {

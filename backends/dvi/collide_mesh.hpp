@@ -14,6 +14,9 @@ struct PlacedMesh {
   Vec3 to_world(const Vec3& local) const { return position + rotation * (scale * local); }
 };
 
+/// Signed distance of a point from the surface, negative inside.
+PointDistance point_distance(const PlacedMesh& b, const Vec3& point);
+
 /// One contact per face, edge or vertex whose distance from the centre is a local minimum (faces that meet in a flat edge
 /// count once). A centre inside gets the nearest feature alone; the side is told by angle-weighted normals (Baerentzen &
 /// Aanaes 2005).

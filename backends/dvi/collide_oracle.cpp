@@ -20,6 +20,11 @@ double reach(const Box& b, const Vec3& n) { return b.half_extents.dot(n.cwiseAbs
 double reach(const Cylinder& c, const Vec3& n) {
   return c.radius * std::sqrt(std::max(0.0, 1 - n.z() * n.z())) + c.half_height * std::abs(n.z());
 }
+double reach(const TriMesh& m, const Vec3& n) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Vec3& v : m.vertices) most = std::max(most, n.dot(v));
+  return most;
+}
 
 template <class T>
 constexpr bool is_convex = !std::is_same_v<T, HalfSpace> && !std::is_same_v<T, Revolved> && !std::is_same_v<T, TriMesh>;
@@ -40,6 +45,18 @@ std::vector<Triangle> world_triangles(const TriMesh& mesh, const PlacedPrimitive
   };
   for (const auto& t : mesh.triangles) result.push_back({at(t[0]), at(t[1]), at(t[2])});
   return result;
+}
+
+bool is_convex_mesh(const TriMesh& m) {
+  double size = 0;
+  for (const Vec3& v : m.vertices) size = std::max(size, v.norm());
+  for (const auto& t : m.triangles) {
+    const auto at = [&](std::size_t k) { return m.vertices[static_cast<std::size_t>(t[k])]; };
+    const Vec3 n = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+    for (const Vec3& v : m.vertices)
+      if (n.dot(v - at(0)) > 1e-9 * size) return false;
+  }
+  return true;
 }
 
 /// Signed gap of two convex bodies: the largest distance between two parallel planes that hold them apart.
@@ -185,11 +202,17 @@ double oracle_pair(const A& a, const PlacedPrimitive& pa, const Revolved& b, con
 
 template <class A>
 double oracle_pair(const A& a, const PlacedPrimitive& pa, const TriMesh& b, const PlacedPrimitive& pb) {
+  const auto of_a = [&](const Vec3& n) { return world_reach(a, pa, n); };
+  if (is_convex_mesh(b)) {
+    bool both = true;
+    if constexpr (!is_convex<A>) both = is_convex_mesh(a);
+    if (both) return convex_oracle(of_a, [&](const Vec3& n) { return world_reach(b, pb, n); });
+  }
   double least = std::numeric_limits<double>::infinity();
   for (const Triangle& t : world_triangles(b, pb)) {
     const auto of_b = [&](const Vec3& n) { return reach(t, n); };
     if constexpr (is_convex<A>) {
-      least = std::min(least, convex_oracle([&](const Vec3& n) { return world_reach(a, pa, n); }, of_b));
+      least = std::min(least, convex_oracle(of_a, of_b));
     } else {
       for (const Triangle& s : world_triangles(a, pa))
         least = std::min(least, convex_oracle([&](const Vec3& n) { return reach(s, n); }, of_b));

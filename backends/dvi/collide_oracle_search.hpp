@@ -27,21 +27,24 @@ double minimum_over_directions(const F& f, int samples = 1500, int starts = 6) {
   for (int k = 0; k < starts; ++k) {
     auto [value, n] = ring[static_cast<std::size_t>(k)];
     double step = 0.1;
-    for (int round = 0; round < 400 && step > 1e-9; ++round) {
+    Vec3 last = Vec3::Zero();  // the last successful move: it points along the ridge
+    for (int round = 0; round < 600 && step > 1e-9; ++round) {
       const Vec3 u = n.cross(std::abs(n.z()) < 0.8 ? Vec3::UnitZ() : Vec3::UnitX()).normalized(), v = n.cross(u);
       bool better = false;
-      for (int spoke = 0; spoke < 20; ++spoke) {
+      for (int spoke = -1; spoke < 24 && !better; ++spoke) {
         // The spokes turn from round to round, to find the narrow way along a ridge.
-        const double angle = 0.314159265358979312 * (spoke + 0.618033988749895 * round);
-        const Vec3 trial = (n + step * (std::cos(angle) * u + std::sin(angle) * v)).normalized();
+        const double angle = 0.261799387799149437 * (spoke + 0.618033988749895 * round);
+        const Vec3 move = spoke < 0 ? Vec3(1.5 * last) : Vec3(step * (std::cos(angle) * u + std::sin(angle) * v));
+        const Vec3 trial = (n + move).normalized();
         const double there = f(trial);
         if (there < value) {
           value = there;
+          last = trial - n;
           n = trial;
           better = true;
-          break;
         }
       }
+      if (!better) last *= 0.3;
       step = better ? std::min(0.2, 1.5 * step) : 0.6 * step;
     }
     best = std::min(best, value);

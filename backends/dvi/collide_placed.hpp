@@ -29,6 +29,19 @@ struct ContactSink {
   }
 };
 
+/// Drops every contact from `first` on that repeats an earlier one: same place (to `tolerance` [length]) and normal.
+inline void merge_repeated(std::vector<ContactPoint>& out, std::size_t first, double tolerance) {
+  std::size_t kept = first;
+  for (std::size_t k = first; k < out.size(); ++k) {
+    bool known = false;
+    for (std::size_t other = first; other < kept && !known; ++other)
+      known = (out[other].point - out[k].point).squaredNorm() < tolerance * tolerance &&
+              out[other].normal.dot(out[k].normal) > 0.9999;
+    if (!known) out[kept++] = out[k];
+  }
+  out.resize(kept);
+}
+
 struct PlacedSphere {
   Vec3 centre;
   double radius;

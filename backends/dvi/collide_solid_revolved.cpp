@@ -1,7 +1,7 @@
 #include "backends/dvi/collide_solid_revolved.hpp"
 
 #include "backends/dvi/collide_box.hpp"
-#include "backends/dvi/collide_plane.hpp"
+#include "backends/dvi/collide_mesh.hpp"
 
 namespace repose::dvi {
 
@@ -23,20 +23,63 @@ void add_edge(const Vec3& from, const Vec3& to, const PlacedProfile& b, std::uin
   collide_sides(local, 0.5 * local.length + sink.margin / b.scale, b, sink, name, stride);
 }
 
+void add_side(const PlacedRoundCone& side, const PlacedProfile& b, const ContactSink& sink) {
+  const PlacedRoundCone local = to_local(side, b);
+  const double reach = 0.5 * local.length + std::max(local.radius_start, local.radius_end) + sink.margin / b.scale;
+  collide_sides(local, reach, b, sink, edge_names, stride);
+}
+
 /// Farther from the surface than the body reaches.
 bool out_of_reach(const Vec3& centre, double extent, const PlacedProfile& b, const ContactSink& sink) {
   const HalfPlane at(b.to_local(centre));
   return b.scale * nearest_on_profile(b.profile, at.point).distance > extent + sink.margin;
 }
 
-/// Outward normal of the surface nearest to a point.
-Vec3 nearest_normal(const Vec3& point, const PlacedProfile& b) {
-  const HalfPlane at(b.to_local(point));
-  return b.rotation * at.lift(nearest_on_profile(b.profile, at.point).normal);
+double surface_distance(const Vec3& point, const PlacedProfile& b) {
+  return nearest_on_profile(b.profile, HalfPlane(b.to_local(point)).point).distance;
 }
 
-/// Circles of the profile against the faces of a convex body: samples around the body's azimuth, and the least distance
-/// between its neighbours by golden-section search.
+/// Least f between two angles, by golden-section search.
+template <class F>
+double golden_section(const F& f, double low, double high) {
+  constexpr double golden = 0.61803398874989485;
+  for (int i = 0; i < 50; ++i) {
+    const double p = high - golden * (high - low), q = low + golden * (high - low);
+    if (f(p) <= f(q))
+      high = q;
+    else
+      low = p;
+  }
+  return 0.5 * (low + high);
+}
+
+/// The lowest point of a rim over the surface, and those a quarter of a turn from it.
+void add_rim(const Vec3& centre, const Mat3& rotation, double radius, const PlacedProfile& b, std::uint32_t name,
+             const ContactSink& sink) {
+  constexpr int samples = 16;
+  constexpr double part = 2 * 3.1415926535897932 / samples;
+  const auto at = [&](double angle) {
+    return Vec3(centre + radius * (std::cos(angle) * rotation.col(0) + std::sin(angle) * rotation.col(1)));
+  };
+  const auto height = [&](double angle) { return surface_distance(at(angle), b); };
+  // All but level: the directions fixed in the body keep the points where they were.
+  double least = height(0), most = least;
+  int best = 0;
+  for (int k = 1; k < samples; ++k) {
+    const double h = height(part * k);
+    most = std::max(most, h);
+    if (h < least) {
+      least = h;
+      best = k;
+    }
+  }
+  double angle = 0;
+  if (b.scale * (most - least) > 1e-9 * radius) angle = golden_section(height, part * (best - 1), part * (best + 1));
+  for (int k = 0; k < 4; ++k)
+    add_corner(at(angle + 0.25 * samples * part * k), b, name + static_cast<std::uint32_t>(k), sink);
+}
+
+/// Circles of the profile against the body: samples around the body's azimuth, and the least distance between them.
 template <class Distance>
 void add_circles(const Vec3& centre, double extent, const Distance& distance, const PlacedProfile& b,
                  const ContactSink& sink) {
@@ -70,22 +113,10 @@ void add_circles(const Vec3& centre, double extent, const Distance& distance, co
       }
       if (i % 2 == 1) add(angle_of(i), static_cast<std::uint32_t>(i));
     }
-    constexpr double golden = 0.61803398874989485;
-    double low = angle_of(std::max(least - 1, 0)), high = angle_of(std::min(least + 1, samples - 1));
-    for (int i = 0; i < 50; ++i) {
-      const double p = high - golden * (high - low), q = low + golden * (high - low);
-      if (distance(world(p)).distance <= distance(world(q)).distance)
-        high = q;
-      else
-        low = p;
-    }
-    add(0.5 * (low + high), samples);
+    add(golden_section([&](double angle) { return distance(world(angle)).distance; }, angle_of(std::max(least - 1, 0)),
+                       angle_of(std::min(least + 1, samples - 1))),
+        samples);
   }
-}
-
-/// A rim's four points and the straight line from its lowest one to `partner`'s lowest one.
-void add_rim(const std::array<Vec3, 4>& rim, const PlacedProfile& b, std::uint32_t name, const ContactSink& sink) {
-  for (std::uint32_t k = 0; k < 4; ++k) add_corner(rim[k], b, name + k, sink);
 }
 
 template <class Lathe>
@@ -103,6 +134,7 @@ void collide_solid_profile(const Box& a, const PlacedPrimitive& placed, const Pl
   const PlacedBox box = place(a, placed);
   const double extent = box.half_extents.norm();
   if (out_of_reach(box.centre, extent, b, sink)) return;
+  const std::size_t first = sink.out->size();
   std::array<Vec3, 8> corners;
   for (std::uint32_t c = 0; c < 8; ++c) {
     const Vec3 sign((c & 1) != 0 ? 1 : -1, (c & 2) != 0 ? 1 : -1, (c & 4) != 0 ? 1 : -1);
@@ -117,36 +149,42 @@ void collide_solid_profile(const Box& a, const PlacedPrimitive& placed, const Pl
         name += 4;
       }
   add_circles(box.centre, extent, [&](const Vec3& p) { return point_distance(box, p); }, b, sink);
+  merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 
 void collide_solid_profile(const Cylinder& a, const PlacedPrimitive& placed, const PlacedProfile& b,
                            const ContactSink& sink) {
   const double r = placed.scale * a.radius, h = placed.scale * a.half_height, extent = std::sqrt(r * r + h * h);
   if (out_of_reach(placed.position, extent, b, sink)) return;
-  const Vec3 half = h * placed.rotation.col(2);
-  const Vec3 low = placed.position - half, high = placed.position + half;
-  const auto low_rim = rim_points(low, placed.rotation, r, nearest_normal(low, b));
-  const auto high_rim = rim_points(high, placed.rotation, r, nearest_normal(high, b));
-  add_rim(low_rim, b, 0, sink);
-  add_rim(high_rim, b, 4, sink);
-  const Vec3 lowest = rim_points(placed.position, placed.rotation, r, nearest_normal(placed.position, b))[0];
-  add_edge(lowest - half, lowest + half, b, edge_names, sink);
+  const std::size_t first = sink.out->size();
+  const Vec3 axis = placed.rotation.col(2), low = placed.position - h * axis, high = placed.position + h * axis;
+  add_rim(low, placed.rotation, r, b, 0, sink);
+  add_rim(high, placed.rotation, r, b, 4, sink);
+  add_side({low, axis, 2 * h, r, r, 0}, b, sink);
   add_circles(placed.position, extent, lathe_distance(a, placed), b, sink);
+  merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 
 void collide_solid_profile(const Cone& a, const PlacedPrimitive& placed, const PlacedProfile& b, const ContactSink& sink) {
   const double r = placed.scale * a.radius, h = placed.scale * a.height, extent = std::max(h, r);
   if (out_of_reach(placed.position, extent, b, sink)) return;
-  const Vec3 apex = placed.position + h * placed.rotation.col(2);
-  const auto rim = rim_points(placed.position, placed.rotation, r, nearest_normal(placed.position, b));
-  add_rim(rim, b, 0, sink);
+  const std::size_t first = sink.out->size();
+  const Vec3 axis = placed.rotation.col(2), apex = placed.position + h * axis;
+  add_rim(placed.position, placed.rotation, r, b, 0, sink);
   add_corner(apex, b, 4, sink);
-  add_edge(rim[0], apex, b, edge_names, sink);
+  // Balls that touch the side from within, the last one at the rim: its centre lies r^2 / h below the base.
+  const double sine = r / std::sqrt(r * r + h * h), length = h + r * r / h;
+  add_side({apex, -axis, length, 0, length * sine, -sine}, b, sink);
   add_circles(placed.position, extent, lathe_distance(a, placed), b, sink);
+  merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 
 void collide_solid_profile(const TriMesh& a, const PlacedPrimitive& placed, const PlacedProfile& b,
                            const ContactSink& sink) {
+  const std::size_t first = sink.out->size();
+  double extent = 0;
+  for (const Vec3& v : a.vertices) extent = std::max(extent, placed.scale * v.norm());
+  if (out_of_reach(placed.position, extent, b, sink)) return;
   const auto vertex = [&](int k) {
     return Vec3(placed.position + placed.rotation * (placed.scale * a.vertices[static_cast<std::size_t>(k)]));
   };
@@ -160,6 +198,9 @@ void collide_solid_profile(const TriMesh& a, const PlacedPrimitive& placed, cons
         add_edge(vertex(i), vertex(j), b, 2 * (static_cast<std::uint32_t>(i) * 65599u + static_cast<std::uint32_t>(j)) + 1,
                  sink);
     }
+  const PlacedMesh mesh{a, placed.position, placed.rotation, placed.scale};
+  add_circles(placed.position, extent, [&](const Vec3& p) { return point_distance(mesh, p); }, b, sink);
+  merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 
 }  // namespace repose::dvi

@@ -1,10 +1,9 @@
 #pragma once
 /// Bodies with corners (boxes, cylinders, cones, meshes) against solids of revolution.
 ///
-/// Corners: exact. Straight edges against circles and bulging surfaces: exact. A cylinder's or cone's rim: four points, the
-/// first where the rim comes lowest over the surface nearest to the rim's centre: exact on planes, to about r^2/R of a
-/// surface of radius R otherwise. Circles of the profile under a face of the body: their least distance is refined from
-/// samples; meshes leave this case out.
+/// Corners, and straight edges, rims and round sides against the surfaces: exact. A rim gives its lowest point and those a
+/// quarter of a turn from it. Circles of the profile against the body: a fan of samples, the least distance among them
+/// refined.
 #include "backends/dvi/collide_revolved.hpp"
 
 namespace repose::dvi {
