@@ -25,6 +25,7 @@ std::string data_item(const Array& array, std::size_t rows) {
 std::string frame_grid(std::size_t bodies, std::size_t index, double time) {
   const std::string frame = "frames/" + frame_file_name(index) + ":/";
   const Array position{"position", "Vector", 3, "Float", 4, frame + "position"};
+  // VTK takes a Vector with as many components as there are columns, but a Matrix as one tuple.
   const Array attributes[] = {
       {"radius", "Scalar", 1, "Float", 4, "run.h5:/display/radius"},
       {"shape", "Scalar", 1, "Int", 4, "run.h5:/model/bodies/shape"},
@@ -32,7 +33,7 @@ std::string frame_grid(std::size_t bodies, std::size_t index, double time) {
       {"role", "Scalar", 1, "UChar", 1, "run.h5:/model/bodies/role"},
       {"velocity", "Vector", 3, "Float", 4, frame + "velocity"},
       {"angular_velocity", "Vector", 3, "Float", 4, frame + "angular_velocity"},
-      {"orientation", "Matrix", 4, "Float", 4, frame + "orientation"},
+      {"orientation", "Vector", 4, "Float", 4, frame + "orientation"},
   };
   std::string text = fmt::format(
       "      <Grid Name=\"frame {0}\" GridType=\"Uniform\">\n"

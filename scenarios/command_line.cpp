@@ -36,7 +36,7 @@ void add_common_options(CLI::App& app, const CommandInfo& info, Options& options
   }
   app.add_option("--out", raw.out, fmt::format("folder for the results (default out/{})", info.name))->type_name("DIR");
   app.add_option("--backend", options.backend, "engine (default dvi)")->type_name("NAME");
-  app.add_option("--seed", options.seed, "of everything random (default 1)")->type_name("N");
+  app.add_option("--seed", options.seed, "of everything random (default 1)")->type_name("N")->check(CLI::NonNegativeNumber);
   app.add_option("--threads", options.threads, "the result does not depend on it (default: all processors)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
