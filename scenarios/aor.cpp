@@ -8,7 +8,9 @@
 #include "analysis/render/render.hpp"
 #include "core/error.hpp"
 #include "scenarios/heap_json.hpp"
+#include "scenarios/heap_report.hpp"
 #include "scenarios/installation.hpp"
+#include "scenarios/reference_file.hpp"
 #include "scenarios/simulate.hpp"
 
 namespace {
@@ -20,23 +22,20 @@ std::filesystem::path scene_file(const Options& options) {
   return config_file(options.preset == "quick" ? "aor-quick.yaml" : "aor.yaml");
 }
 
-HeapMeasurement measure(const Prepared& prepared, const Options& options, const RunReport& report) {
-  const Recording recording = read_recording(options.out / "run.h5");
+HeapMeasurement measure(const Prepared& prepared, const Recording& recording, const Snapshot& state) {
   DischargeCurve discharge;
   if (const auto outlet = funnel_outlet(prepared.scene))
     discharge = discharge_curve(prepared.model, recording.frames, *outlet);
   const std::size_t n = recording.frames.size();
-  return measure_heap(prepared.scene, prepared.model, report.final_state, n >= 2 ? &recording.frames[n - 2] : nullptr,
-                      std::move(discharge));
+  return measure_heap(prepared.scene, prepared.model, state, n >= 2 ? &recording.frames[n - 2] : nullptr, std::move(discharge));
 }
 
-void draw(const std::filesystem::path& file, const Prepared& prepared, const Options& options, const HeapMeasurement& heap,
-          const Snapshot& state) {
+std::string draw(const Prepared& prepared, const Options& options, const HeapMeasurement& heap, const Snapshot& state) {
   RenderOptions picture;
   picture.threads = options.threads;
   if (heap.repose.angle)
     picture.caption = fmt::format("angle of repose {:.1f}° ± {:.1f}°", heap.repose.angle->value, heap.repose.angle->se);
-  write_png(file, render(prepared.model, state, frame_scene(prepared.model, state), picture));
+  return encode_png(render(prepared.model, state, frame_scene(prepared.model, state), picture));
 }
 
 void tell(const HeapMeasurement& heap, const Options& options) {
@@ -57,7 +56,8 @@ void tell(const HeapMeasurement& heap, const Options& options) {
   } else {
     fmt::print("NOT at rest      {}: make `duration` longer\n", heap.rest.reason);
   }
-  fmt::print("picture          {}\nresult           {}\n", (options.out / "heap.png").string(), (options.out / "result.json").string());
+  for (const auto& [what, file] : {std::pair{"picture", "heap.png"}, {"report", "report.html"}, {"result", "result.json"}})
+    fmt::print("{:<17}{}\n", what, (options.out / file).string());
 }
 
 int pour(const Options& options) {
@@ -72,8 +72,13 @@ int pour(const Options& options) {
   const int status = report_status(report, options);
   if (report.end == RunReport::End::interrupted) return status;
 
-  const HeapMeasurement heap = measure(prepared, options, report);
-  draw(options.out / "heap.png", prepared, options, heap, report.final_state);
+  const Recording recording = read_recording(options.out / "run.h5");
+  const HeapMeasurement heap = measure(prepared, recording, report.final_state);
+  const std::string picture = draw(prepared, options, heap, report.final_state);
+  write_atomically(options.out / "heap.png", picture);
+  const auto measured = load_reference(reference_file("pa650/table1.yaml")).single("angle_of_repose");
+  write_atomically(options.out / "report.html",
+                   report::to_html(heap_report({prepared, options, report, recording.steps, heap, picture, measured})));
   nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("aor", prepared, options, report));
   result.update(nlohmann::ordered_json(heap_json(heap)));
   write_result(options.out / "result.json", result.dump(2));
