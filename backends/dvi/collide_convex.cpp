@@ -132,7 +132,7 @@ void face_manifold(const FaceFeature& reference, const FaceFeature& incident, bo
 /// Two edges, nearly parallel: the ends of the stretch they share.
 void edge_manifold(const FaceFeature& a, const FaceFeature& b, const Vec3& normal, double margin, Manifold& out) {
   const Vec3 ua = a.points[1] - a.points[0], ub = b.points[1] - b.points[0];
-  if (ua.cross(ub).squaredNorm() > 0.01 * ua.squaredNorm() * ub.squaredNorm()) return;
+  if (ua.cross(ub).squaredNorm() > 1e-4 * ua.squaredNorm() * ub.squaredNorm()) return;
   Polygon stretch;
   for (std::size_t k = 0; k < 2; ++k) stretch.push(b.points[k], b.names[k]);
   stretch = clip(stretch, a.points[0], -ua, 0);

@@ -174,7 +174,9 @@ class EllipsoidOnProfile {
       if (!(best.value <= margin_)) return;
       const Vec3 p = v.x() * best.e + Vec3(0, 0, v.y());
       const Vec3 n = rotation * nearest(p).normal();
-      if (!profile_.in_vertex_cone(k, Vec2(-n.dot(best.e), -n.z()), slack)) return;
+      // A point on the axis belongs to every azimuth: take the one that the normal lies in.
+      const double across = v.x() > 0 ? n.dot(best.e) : -std::sqrt(n.x() * n.x() + n.y() * n.y());
+      if (!profile_.in_vertex_cone(k, Vec2(-across, -n.z()), slack)) return;
       add({p - 0.5 * best.value * n, n, best.value, 4 * ProfileFeature{k, true}.id() + index++});
     };
     if (v.x() == 0)

@@ -197,10 +197,11 @@ class Polytope {
       const Face chosen = face(nearest);
       const DifferencePoint p = difference_.support(chosen.normal);
       const double reach = chosen.normal.dot(p.w);
-      if (reach < best.depth) {
+      // Of equally good normals the later one: its face is smaller, and holds the nearest point.
+      if (reach <= best.depth + 1e-11 * size_) {
         best.depth = reach;
         best.normal = chosen.normal;
-        best.nearest = foot(chosen);
+        best.nearest = nearest_foot(chosen.offset + 2e-11 * size_);
       }
       if (reach - chosen.offset <= 1e-11 * size_ || !insert(p)) return best;
     }
@@ -266,6 +267,21 @@ class Polytope {
       if (!add_face(edge[0], edge[1], apex)) return false;
     }
     return true;
+  }
+
+  /// A flat side consists of many triangles of one offset: the point nearest to the origin lies in one of them.
+  DifferencePoint nearest_foot(double offset) const {
+    DifferencePoint best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < faces_used_; ++k) {
+      if (face(k).offset > offset) continue;
+      const DifferencePoint p = foot(face(k));
+      if (p.w.squaredNorm() < least) {
+        least = p.w.squaredNorm();
+        best = p;
+      }
+    }
+    return best;
   }
 
   DifferencePoint foot(const Face& f) const {

@@ -27,7 +27,7 @@ void collide_sphere_mesh(const PlacedSphere& a, const PlacedMesh& b, const Conta
 /// triangle rises above the contact plane. A body whose centre has passed a triangle is no longer held by it.
 void collide_convex_mesh(const ConvexBody& a, const PlacedMesh& b, const ContactSink& sink);
 
-/// Vertices of each against the other. Edge against edge is left out: adequate for finely meshed bodies.
+/// Vertices of each against the other, and edge against edge.
 void collide_meshes(const PlacedMesh& a, const PlacedMesh& b, const ContactSink& sink);
 
 }  // namespace repose::dvi

@@ -147,8 +147,9 @@ bool collide_round_cone_profile(const PlacedRoundCone& world, const PlacedProfil
   const HalfPlane at(middle);
   const ProfileNearest nearest = nearest_on_profile(profile, at.point);
   if (nearest.distance > reach) return true;
+  SegmentMinimum least;
   if (b.convex) {
-    const SegmentMinimum least = minimise_along(a, [&](const Vec3& p) {
+    least = minimise_along(a, [&](const Vec3& p) {
       const HalfPlane there(p);
       const ProfileNearest found = nearest_on_profile(profile, there.point);
       return PointDistance{found.distance, there.lift(found.normal)};
@@ -158,7 +159,10 @@ bool collide_round_cone_profile(const PlacedRoundCone& world, const PlacedProfil
   collide_local_ball(a.start, a.radius_start, b, sink, 0, 8);
   if (a.length == 0) return true;
   collide_local_ball(a.centre(a.length), a.radius_end, b, sink, 1, 8);
-  collide_sides(a, reach, b, sink, 2, 8);
+  if (!b.convex)
+    collide_sides(a, reach, b, sink, 2, 8);
+  else if (least.s > 0 && least.s < a.length)
+    add_ball(b, a.centre(least.s), a.radius(least.s), least.nearest.normal, least.nearest.distance, 2, sink);
   return true;
 }
 
