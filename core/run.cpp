@@ -204,8 +204,9 @@ class Runner {
   }
 
   void tell_progress(bool last) {
-    if (!hooks_.progress || (!last && seconds_since(last_progress_) < progress_interval_s)) return;
+    if (!hooks_.progress || (last ? told_step_ == step_ : seconds_since(last_progress_) < progress_interval_s)) return;
     last_progress_ = Clock::now();
+    told_step_ = step_;
     const double wall = seconds_since(start_);
     hooks_.progress({step_, counts_.steps, state_.time, wall, remaining_.estimate(wall, step_, counts_.steps), last_});
   }
@@ -221,7 +222,7 @@ class Runner {
   Recorder* recorder_;
   const RunHooks& hooks_;
 
-  std::int64_t step_ = 0;
+  std::int64_t step_ = 0, told_step_ = -1;
   bool stopped_ = false;  ///< by the `finished` hook
   Snapshot state_;
   BodyLoads loads_;

@@ -53,7 +53,7 @@ void ProgressDisplay::show(double done, double total, double remaining_s, const 
   if (!terminal_ && !last && now_s() - last_line_s_ < line_interval_s) return;
   last_line_s_ = now_s();
   const std::string rest = last ? "done" : remaining_s > 0 ? duration_text(remaining_s) + " left" : "estimating";
-  std::string line = fmt::format("{:3.0f} %  {}  {}", std::floor(100 * share), text, rest);
+  std::string line = fmt::format("{:3.0f} %  {}  {}", std::floor(100 * share), rest, text);
   if (!terminal_) {
     fmt::print(stderr, "{}\n", line);
     return;

@@ -83,8 +83,8 @@ kill)
     k=$((k + 1))
     dir=$work/killed-$k
     start "$dir" $((1 + k % 2))
-    # Multiples of the golden ratio spread the moments over the whole run.
-    sleep "$(echo "$wall $k" | awk '{x = 0.618034 * $2; print $1 * (x - int(x))}')"
+    # Multiples of the golden ratio spread the moments over the whole run; the square favours its beginning.
+    sleep "$(echo "$wall $k" | awk '{x = 0.618034 * $2; x -= int(x); print $1 * x * x}')"
     kill -KILL "$process" 2>/dev/null || true
     wait "$process" 2>/dev/null || true
     frames=0
