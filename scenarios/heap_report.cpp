@@ -146,7 +146,6 @@ Table figures(const HeapReportInput& in) {
   const HeapMeasurement& heap = in.heap;
   const HeapGrains& g = heap.repose.grains;
   Table table;
-  table.title = "Figures";
   table.header = {"quantity", "value", "unit", "remark"};
   const auto row = [&](std::string name, std::string value, std::string unit, std::string remark) {
     table.rows.push_back({std::move(name), std::move(value), std::move(unit), std::move(remark)});

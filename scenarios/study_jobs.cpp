@@ -172,6 +172,7 @@ JobsReport run_jobs(const std::vector<StudyJob>& jobs, const std::vector<Scene>&
   for (std::thread& t : threads) t.join();
   if (board.error()) std::rethrow_exception(board.error());
   report.progress = progress_of(board, reused, start);
+  if (hooks.progress) hooks.progress(report.progress);
   return report;
 }
 
