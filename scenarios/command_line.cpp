@@ -36,7 +36,12 @@ void add_common_options(CLI::App& app, const CommandInfo& info, Options& options
   }
   app.add_option("--out", raw.out, fmt::format("folder for the results (default out/{})", info.name))->type_name("DIR");
   app.add_option("--backend", options.backend, "engine (default dvi)")->type_name("NAME");
-  app.add_option("--seed", options.seed, "of everything random (default 1)")->type_name("N")->check(CLI::NonNegativeNumber);
+  // CLI11 takes -1 for the largest unsigned number.
+  app.add_option("--seed", options.seed, "of everything random (default 1)")
+      ->type_name("N")
+      ->check([](const std::string& text) {
+        return std::string(text.starts_with('-') ? text + " is negative; a seed is a whole number from 0 up" : "");
+      });
   app.add_option("--threads", options.threads, "the result does not depend on it (default: all processors)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
