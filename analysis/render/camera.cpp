@@ -133,15 +133,19 @@ std::vector<Ball> framed_balls(const Model& model, std::span<const Snapshot> sna
   return balls;
 }
 
+/// In the camera's axes: right, up, forward.
+Bounds projected(const std::vector<Ball>& balls, const CameraAxes& axes) {
+  Bounds extent;
+  for (const Ball& b : balls)
+    for (const double r : {-b.radius, b.radius})
+      extent.include(Vec3(axes.right.dot(b.centre), axes.up.dot(b.centre), axes.forward.dot(b.centre)) + Vec3::Constant(r));
+  return extent;
+}
+
 /// Moves the camera along its own axes until the projections of all balls just fit.
 void fit(Camera& camera, const std::vector<Ball>& balls, double aspect, double margin) {
   const CameraAxes axes = camera_axes(camera);
-  Bounds extent;
-  for (const Ball& b : balls)
-    for (const double sign : {-1.0, 1.0}) {
-      const double r = sign * b.radius;
-      extent.include({axes.right.dot(b.centre) + r, axes.up.dot(b.centre) + r, axes.forward.dot(b.centre) + r});
-    }
+  const Bounds extent = projected(balls, axes);
   const Vec3 centre = 0.5 * (extent.lower + extent.upper), half = 0.5 * (extent.upper - extent.lower);
   camera.target = centre.x() * axes.right + centre.y() * axes.up + centre.z() * axes.forward;
   const double depth = std::max(half.norm(), 1e-300);
@@ -198,16 +202,23 @@ CameraAxes camera_axes(const Camera& camera) {
   return axes;
 }
 
-Camera frame_scene(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options) {
+namespace {
+
+std::vector<Ball> checked_balls(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options) {
   if (!(options.aspect > 0) || !(options.margin >= 0 && options.margin < 0.45))
     throw Error("camera", "the aspect ratio must be positive and the margin in [0, 0.45)", "Check width and height.");
   for (const Snapshot& s : snapshots)
     if (s.size() != model.bodies.size())
       throw Error("camera", "the snapshot and the model have different numbers of bodies", "Use a frame of the same run.");
-  const std::vector<Ball> balls = framed_balls(model, snapshots, options);
+  std::vector<Ball> balls = framed_balls(model, snapshots, options);
   if (balls.empty())
     throw Error("camera", "there is nothing to show: no body that moves, no bounded tool",
                 "Hide fewer bodies, or place the camera by hand.");
+  return balls;
+}
+
+/// Looks at the origin from the view's direction.
+Camera facing(const FrameOptions& options) {
   const double a = options.azimuth_deg * pi / 180 + (options.view == View::iso ? iso_azimuth : 0);
   Vec3 back(std::sin(a), -std::cos(a), 0);  // from the target to the eye
   Camera camera;
@@ -219,12 +230,28 @@ Camera frame_scene(const Model& model, std::span<const Snapshot> snapshots, cons
   camera.orthographic = options.view != View::iso;
   camera.target = Vec3::Zero();
   camera.eye = back;
+  return camera;
+}
+
+}  // namespace
+
+Camera frame_scene(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options) {
+  const std::vector<Ball> balls = checked_balls(model, snapshots, options);
+  Camera camera = facing(options);
   fit(camera, balls, options.aspect, options.margin);
   return camera;
 }
 
 Camera frame_scene(const Model& model, const Snapshot& snapshot, const FrameOptions& options) {
   return frame_scene(model, std::span<const Snapshot>(&snapshot, 1), options);
+}
+
+double fitting_aspect(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options) {
+  const std::vector<Ball> balls = checked_balls(model, snapshots, options);
+  const CameraAxes axes = camera_axes(facing(options));
+  const Bounds extent = projected(balls, axes);
+  const Vec3 size = extent.upper - extent.lower;
+  return size.y() > 0 ? std::clamp(size.x() / size.y(), 0.8, 1.6) : 1.6;
 }
 
 }  // namespace repose

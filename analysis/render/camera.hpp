@@ -42,6 +42,9 @@ struct FrameOptions {
 Camera frame_scene(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options = {});
 Camera frame_scene(const Model& model, const Snapshot& snapshot, const FrameOptions& options = {});
 
+/// The width over height of a picture that these snapshots fill well, between 0.8 and 1.6.
+double fitting_aspect(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options = {});
+
 /// Unit vectors of the picture: to the right, up, and along the line of sight. Throws Error if the camera is degenerate.
 struct CameraAxes {
   Vec3 right, up, forward;

@@ -44,7 +44,14 @@ std::string base64(std::string_view bytes) {
 std::string number(double value, int digits) {
   if (std::isnan(value)) return "";
   if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
-  return fmt::format("{:.{}g}", value, digits);
+  const std::string text = fmt::format("{:.{}g}", value, digits);
+  const std::size_t e = text.find('e');
+  if (e == std::string::npos) return text;
+  // 2.31e-05 as 2.31×10⁻⁵.
+  static constexpr const char* raised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string result = text.substr(0, e) + "×10" + (text[e + 1] == '-' ? "⁻" : "");
+  for (const char digit : std::to_string(std::stoi(text.substr(e + 2)))) result += raised[digit - '0'];
+  return result;
 }
 
 }  // namespace repose::report

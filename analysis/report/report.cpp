@@ -114,7 +114,7 @@ void Page::operator()(const Chart& chart) {
 }
 
 bool looks_numeric(const std::string& cell) {
-  const bool signs = cell.find_first_not_of("0123456789+-.,eE ±−%∞") == std::string::npos;
+  const bool signs = cell.find_first_not_of("0123456789+-.,eE ±−%∞×⁰¹²³⁴⁵⁶⁷⁸⁹⁻") == std::string::npos;
   return signs && cell.find_first_of("0123456789") != std::string::npos;
 }
 

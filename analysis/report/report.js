@@ -11,9 +11,23 @@
   const darkColours = ["#56b4e9", "#ff8c42", "#2fcf9f", "#e29cc9", "#f0c040", "#cfd6db"];
   const markers = ["circle", "rect", "triangle", "rectRot", "crossRot", "star"];
 
+  const raised = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
   const style = (name) => getComputedStyle(root).getPropertyValue(name).trim();
   const isDark = () => window.matchMedia("(prefers-color-scheme: dark)").matches && !window.matchMedia("print").matches;
   const withAlpha = (hex, alpha) => hex + Math.round(alpha * 255).toString(16).padStart(2, "0");
+
+  // How far, in pixels, the points between two fractions of the width stay away from a height.
+  const clearance = (chart, height, from, to) => {
+    const { chartArea: area, scales } = chart;
+    let nearest = Infinity;
+    for (const set of chart.data.datasets)
+      for (const point of set.data) {
+        const x = (scales.x.getPixelForValue(point.x) - area.left) / area.width;
+        if (point.y === null || x < from || x > to) continue;
+        nearest = Math.min(nearest, Math.abs(scales.y.getPixelForValue(point.y) - height + 10));
+      }
+    return nearest;
+  };
 
   // Chart.js has neither error bars nor reference bands.
   const bandsAndErrors = {
@@ -42,8 +56,9 @@
         ctx.setLineDash([]);
         ctx.fillStyle = options.ink;
         ctx.font = "12px " + getComputedStyle(document.body).fontFamily;
-        ctx.textAlign = "right";
-        ctx.fillText(band.name, area.right - 6, middle - 5);
+        const atRight = clearance(chart, middle, 0.7, 1) >= clearance(chart, middle, 0, 0.3);
+        ctx.textAlign = atRight ? "right" : "left";
+        ctx.fillText(band.name, atRight ? area.right - 8 : area.left + 8, middle - 6);
       }
       ctx.restore();
     },
@@ -95,31 +110,45 @@
     const logarithmic = data[axis].log;
     const { low, high } = extent(data, axis);
     const room = high > low ? 0.04 * (high - low) : 0.1 * Math.abs(high) || 1;
+    const marked = data.series.some((series) => series.points);
     const result = {
       type: logarithmic ? "logarithmic" : "linear",
       title: { display: true, text: data[axis].title, color: colours.soft },
       grid: { color: colours.line, borderColor: colours.soft },
-      ticks: { color: colours.soft, maxRotation: 0 },
+      ticks: { color: colours.soft, maxRotation: 0, includeBounds: false },
     };
     if (!Number.isFinite(low)) return result;
     if (!logarithmic) {
-      result.suggestedMin = axis === "x" ? low : low - room;
-      result.suggestedMax = axis === "x" ? high : high + room;
+      result.suggestedMin = axis === "x" && !marked ? low : low - room;
+      result.suggestedMax = axis === "x" && !marked ? high : high + room;
       if (low >= 0 && low - room < 0) result.suggestedMin = 0;
     } else {
       const decade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
       const decades = Math.log10(high / Math.max(low, 1e-300));
-      result.ticks.callback = (value) => (decade(value) || decades < 1.5 ? Number(value).toPrecision(1).replace(/\.?0+e/, "e") : "");
+      result.ticks.callback = (value) => {
+        if (decade(value)) return "10" + [...String(Math.round(Math.log10(value)))].map((c) => raised[c]).join("");
+        return decades < 1.5 ? Number(value).toPrecision(1) : "";
+      };
     }
     return result;
   };
 
-  // As long a metre on x as on y: widen whichever axis has room.
+  // As long a metre on x as on y: the plot takes the height that the data need, then whichever axis has room is widened.
+  const spans = (data) => {
+    const x = extent(data, "x"), y = extent(data, "y");
+    return { x, y, spanX: 1.06 * (x.high - x.low), spanY: 1.1 * (y.high - y.low) };
+  };
+  const fitHeight = (canvas, data) => {
+    const { spanX, spanY } = spans(data);
+    const box = canvas.parentElement;
+    const height = (box.clientWidth - 60) * spanY / spanX + 90;
+    if (Number.isFinite(height)) box.style.height = Math.min(560, Math.max(220, height)) + "px";
+  };
   const equalise = (chart, data) => {
     const area = chart.chartArea;
-    const x = extent(data, "x"), y = extent(data, "y");
-    const spanX = 1.06 * (x.high - x.low), spanY = 1.06 * (y.high - y.low);
+    const { x, y, spanX, spanY } = spans(data);
     const perPixel = Math.max(spanX / area.width, spanY / area.height);
+    if (!(perPixel > 0)) return;
     const middle = 0.5 * (x.low + x.high);
     chart.options.scales.x.min = x.low >= 0 ? 0 : middle - 0.5 * perPixel * area.width;
     chart.options.scales.x.max = chart.options.scales.x.min + perPixel * area.width;
@@ -135,20 +164,22 @@
     const palette = isDark() ? darkColours : lightColours;
     const datasets = data.series.map((series, index) => {
       const colour = palette[index % palette.length];
+      const crowded = series.data.length > 1200;
       return {
         label: series.name,
         data: series.data,
         showLine: series.line,
-        borderColor: colour,
+        borderColor: crowded ? withAlpha(colour, 0.6) : colour,
         backgroundColor: withAlpha(colour, 0.85),
-        borderWidth: 2,
+        borderWidth: crowded ? 0.7 : 2,
         borderDash: series.dashed ? [7, 4] : [],
-        pointStyle: markers[index % markers.length],
+        pointStyle: series.points ? markers[index % markers.length] : "line",
         pointRadius: series.points ? 4.5 : 0,
         pointHitRadius: 8,
         spanGaps: false,
       };
     });
+    if (data.equal) fitHeight(canvas, data);
     const chart = new Chart(canvas, {
       type: "scatter",
       data: { datasets },
@@ -161,7 +192,7 @@
         plugins: {
           legend: {
             display: datasets.length > 1,
-            labels: { color: colours.ink, usePointStyle: true, boxWidth: 24 },
+            labels: { color: colours.ink, usePointStyle: true, boxWidth: 28, padding: 16 },
           },
           tooltip: {
             callbacks: {

@@ -44,7 +44,7 @@ inline Model picture_heap(const PictureHeap& heap) {
   if (heap.base)
     add_tool({"base", "wall", Base{2 * foot, rim, d, width, depth, 1.5 * depth}, Vec3::Zero(), {}});
   if (heap.funnel)
-    add_tool({"funnel", "wall", Funnel{12 * d, 30, 1.3 * foot, 0.2 * foot, 2 * d, 0, 1e300},
+    add_tool({"funnel", "wall", Funnel{0.5 * foot, 30, 1.3 * foot, 0.2 * foot, 2 * d, 0, 1e300},
               {0, 0, 1.5 * foot * slope}, {}});
 
   const std::vector<std::string>& names = grain_shape_names();

@@ -1,0 +1,34 @@
+/// Writes report.html and film.html into the folder given: what check_pages.sh opens.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "analysis/render/render.hpp"
+#include "analysis/report/film.hpp"
+#include "core/recording.hpp"
+#include "tests/browser/sample_report.hpp"
+#include "tests/unit/picture_heap.hpp"
+
+int main(int argc, char** argv) try {
+  using namespace repose;
+  if (argc != 2) return 2;
+  const std::filesystem::path folder = argv[1];
+  const Model model = test::picture_heap({.grains = 500});
+  const Camera camera = frame_scene(model, model.initial);
+  RenderOptions options;
+  options.width = 480;
+  options.height = 300;
+  std::vector<FilmFrame> frames;
+  Image image;
+  for (int i = 0; i < 3; ++i) {
+    options.caption = "frame " + std::to_string(i);
+    image = render(model, model.initial, camera, options);
+    frames.push_back({0.1 * i, encode_jpeg(image)});
+  }
+  write_atomically(folder / "report.html", report::to_html(report::sample_report(encode_png(image))));
+  write_atomically(folder / "film.html", film_html("Sample <film>", frames, 25));
+  return 0;
+} catch (const std::exception& problem) {
+  std::fprintf(stderr, "%s\n", problem.what());
+  return 1;
+}
