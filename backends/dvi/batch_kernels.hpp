@@ -26,54 +26,35 @@ REPOSE_INLINE Lanes<Real> dot(const Lanes<Real>* a, const Lanes<Real>* b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-template <class Real>
-REPOSE_INLINE void load(const Real* from, Lanes<Real>& to) {
-  __builtin_memcpy(&to, from, sizeof(to));
-}
-
 /// Velocities of one side's bodies, one body per lane.
 template <class Real>
 REPOSE_INLINE void gather_velocity(const BodyVelocity<Real>* bodies, const std::int32_t* index, Lanes<Real>* v,
                                    Lanes<Real>* w) {
-  Real x[6][lane_count<Real>];
-  for (int l = 0; l < lane_count<Real>; ++l) {
-    const BodyVelocity<Real>& body = bodies[index[l]];
-    for (int k = 0; k < 3; ++k) {
-      x[k][l] = body.linear[k];
-      x[k + 3][l] = body.angular[k];
-    }
-  }
+  Lanes<Real> x[8];
+  load_records<Real>(reinterpret_cast<const Real*>(bodies), index, x);
+#pragma GCC unroll 6
   for (int k = 0; k < 3; ++k) {
-    load<Real>(x[k], v[k]);
-    load<Real>(x[k + 3], w[k]);
+    v[k] = x[k];
+    w[k] = x[k + 4];
   }
 }
 
 template <class Real>
 REPOSE_INLINE void gather_inverse(const BodyInverse<Real>* bodies, const std::int32_t* index, Lanes<Real>& mass,
                                   Lanes<Real>* inertia) {
-  Real x[7][lane_count<Real>];
-  for (int l = 0; l < lane_count<Real>; ++l) {
-    const BodyInverse<Real>& body = bodies[index[l]];
-    x[6][l] = body.mass;
-    for (int k = 0; k < 6; ++k) x[k][l] = body.inertia[k];
-  }
-  for (int k = 0; k < 6; ++k) load<Real>(x[k], inertia[k]);
-  load<Real>(x[6], mass);
+  Lanes<Real> x[8];
+  load_records<Real>(reinterpret_cast<const Real*>(bodies), index, x);
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k) inertia[k] = x[k];
+  mass = x[6];
 }
 
 /// Stores the lanes whose body can move; the others (prescribed, idle) are shared by many contacts and never change.
 template <class Real>
 REPOSE_INLINE void scatter_velocity(BodyVelocity<Real>* bodies, std::int32_t dynamic_bodies, const std::int32_t* index,
                                     const Lanes<Real>* v, const Lanes<Real>* w) {
-  for (int l = 0; l < lane_count<Real>; ++l) {
-    if (index[l] >= dynamic_bodies) continue;
-    BodyVelocity<Real>& body = bodies[index[l]];
-    for (int k = 0; k < 3; ++k) {
-      body.linear[k] = v[k][l];
-      body.angular[k] = w[k][l];
-    }
-  }
+  Lanes<Real> x[8] = {v[0], v[1], v[2], Lanes<Real>{}, w[0], w[1], w[2], Lanes<Real>{}};
+  store_records<Real>(reinterpret_cast<Real*>(bodies), dynamic_bodies, index, x);
 }
 
 /// y = I x with I = (xx, xy, xz, yy, yz, zz).
@@ -96,11 +77,13 @@ REPOSE_INLINE void relative_velocity(const Batch<Real>& c, const Lanes<Real>* t2
   Lanes<Real> ca[3], cb[3], d[3];
   cross<Real>(wa, c.arm_a, ca);
   cross<Real>(wb, c.arm_b, cb);
+#pragma GCC unroll 6
   for (int k = 0; k < 3; ++k) d[k] = (vb[k] - va[k]) + (cb[k] - ca[k]);
   u[0] = dot<Real>(c.normal, d);
   u[1] = dot<Real>(c.tangent, d);
   u[2] = dot<Real>(t2, d);
   if constexpr (Rotational) {
+#pragma GCC unroll 6
     for (int k = 0; k < 3; ++k) d[k] = c.arm * (wb[k] - wa[k]);
     u[3] = dot<Real>(c.tangent, d);
     u[4] = dot<Real>(t2, d);
@@ -112,6 +95,7 @@ REPOSE_INLINE void relative_velocity(const Batch<Real>& c, const Lanes<Real>* t2
 template <class Real, bool Rotational>
 REPOSE_INLINE void wrench(const Batch<Real>& c, const Lanes<Real>* t2, const Lanes<Real>* g, Lanes<Real>* force,
                           Lanes<Real>* couple) {
+#pragma GCC unroll 6
   for (int k = 0; k < 3; ++k) {
     force[k] = g[0] * c.normal[k] + g[1] * c.tangent[k] + g[2] * t2[k];
     if constexpr (Rotational) {
@@ -129,9 +113,11 @@ REPOSE_INLINE void apply_wrench(Real sign, const Lanes<Real>* arm, const Lanes<R
                                 Lanes<Real>* v, Lanes<Real>* w) {
   Lanes<Real> torque[3], dw[3];
   cross<Real>(arm, force, torque);
+#pragma GCC unroll 6
   for (int k = 0; k < 3; ++k) torque[k] += couple[k];
   multiply_symmetric<Real>(inverse_inertia, torque, dw);
   const Lanes<Real> s = sign * inverse_mass;
+#pragma GCC unroll 6
   for (int k = 0; k < 3; ++k) {
     v[k] += s * force[k];
     w[k] += sign * dw[k];

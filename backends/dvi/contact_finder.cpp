@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t chunk_size = 256;  // bodies whose contacts are found by one thread at a time
 constexpr double resting_margin = 0.02;  // of the radius
+constexpr double handed_on = 0.25;       // of the stir: how much of it a blow within the step may add to a pair
 
 }  // namespace
 
@@ -43,10 +44,10 @@ ContactFinder::ContactFinder(const Model& model, double unit) : model_(model), u
     cohesion_range_.push_back(range);
     widest_cohesion_ = std::max(widest_cohesion_, range);
   }
-  fast_.resize(n);
+  stir_.assign(n, 0.0);
 }
 
-void ContactFinder::place_parts(const Placement& placement, int threads) {
+void ContactFinder::place_parts(const BodyPlacement& placement, int threads) {
   const auto n = static_cast<std::ptrdiff_t>(model_.bodies.size());
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
   for (std::ptrdiff_t i = 0; i < n; ++i) {
@@ -63,8 +64,8 @@ void ContactFinder::place_parts(const Placement& placement, int threads) {
   }
 }
 
-void ContactFinder::local_speeds(const Placement& placement) {
-  // The largest speed in each cell of a coarse grid and its 26 neighbours.
+void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
+  // Velocities met in each cell of a coarse grid and its 26 neighbours, as a box in velocity space.
   double widest = 0;
   for (std::int32_t i : dynamic_) widest = std::max(widest, bound_[static_cast<std::size_t>(i)]);
   const double inverse = widest > 0 ? 1 / (4 * widest) : 1;
@@ -76,56 +77,119 @@ void ContactFinder::local_speeds(const Placement& placement) {
            static_cast<std::uint64_t>(z + 1048576);
   };
   struct Cell {
-    std::int64_t x, y, z;
-    double speed;
+    std::int64_t x = 0, y = 0, z = 0;
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = -low;
+    double stir = 0;
+    void meet(const Vec3& velocity) {
+      low = low.cwiseMin(velocity);
+      high = high.cwiseMax(velocity);
+    }
   };
-  std::unordered_map<std::uint64_t, double> fastest;
+  std::unordered_map<std::uint64_t, std::size_t> index;
   std::vector<Cell> cells;
-  fastest.reserve(dynamic_.size() / 4 + 16);
-  for (std::int32_t i : dynamic_) {
-    const auto body = static_cast<std::size_t>(i);
+  std::vector<std::size_t> cell_of(dynamic_.size());
+  index.reserve(dynamic_.size() / 4 + 16);
+  for (std::size_t at = 0; at < dynamic_.size(); ++at) {
+    const auto body = static_cast<std::size_t>(dynamic_[at]);
     const Vec3& x = placement.position[body];
     const std::int64_t cx = cell(x, 0), cy = cell(x, 1), cz = cell(x, 2);
-    const auto [at, is_new] = fastest.try_emplace(key(cx, cy, cz), 0.0);
-    if (is_new) cells.push_back({cx, cy, cz, 0});
-    at->second = std::max(at->second, placement.speed[body]);
+    const auto [entry, is_new] = index.try_emplace(key(cx, cy, cz), cells.size());
+    if (is_new) {
+      cells.emplace_back();
+      cells.back().x = cx;
+      cells.back().y = cy;
+      cells.back().z = cz;
+    }
+    cell_of[at] = entry->second;
+    cells[entry->second].meet(placement.velocity[body]);
   }
-  for (Cell& c : cells)
+  for (const FoundContact& contact : tool_contacts_) {
+    const auto a = static_cast<std::size_t>(contact.id.a()), b = static_cast<std::size_t>(contact.id.b());
+    const std::size_t free_body = model_.bodies[a].dynamic ? a : b, tool = model_.bodies[a].dynamic ? b : a;
+    const Vec3& x = placement.position[free_body];
+    cells[index.find(key(cell(x, 0), cell(x, 1), cell(x, 2)))->second].meet(placement.velocity[tool]);
+  }
+  for (Cell& c : cells) {
+    Cell all;
     for (std::int64_t dz = -1; dz <= 1; ++dz)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          const auto at = fastest.find(key(c.x + dx, c.y + dy, c.z + dz));
-          if (at != fastest.end()) c.speed = std::max(c.speed, at->second);
+          const auto at = index.find(key(c.x + dx, c.y + dy, c.z + dz));
+          if (at == index.end()) continue;
+          const Cell& near = cells[at->second];
+          all.low = all.low.cwiseMin(near.low);
+          all.high = all.high.cwiseMax(near.high);
         }
-  std::unordered_map<std::uint64_t, double> near;
-  near.reserve(cells.size());
-  for (const Cell& c : cells) near.emplace(key(c.x, c.y, c.z), c.speed);
-  for (std::int32_t i : dynamic_) {
-    const auto body = static_cast<std::size_t>(i);
-    const Vec3& x = placement.position[body];
-    fast_[body] = near.find(key(cell(x, 0), cell(x, 1), cell(x, 2)))->second;
+    c.stir = (all.high - all.low).norm();
   }
-  for (std::int32_t i : prescribed_) fast_[static_cast<std::size_t>(i)] = placement.speed[static_cast<std::size_t>(i)];
+  for (std::size_t at = 0; at < dynamic_.size(); ++at)
+    stir_[static_cast<std::size_t>(dynamic_[at])] = step * cells[cell_of[at]].stir;
 }
 
-double ContactFinder::pair_margin(std::int32_t a, std::int32_t b) const {
+double ContactFinder::pair_cohesion_range(std::int32_t a, std::int32_t b) const {
+  return cohesion_range_[static_cast<std::size_t>(model_.bodies[static_cast<std::size_t>(a)].material) *
+                             model_.materials.size() +
+                         static_cast<std::size_t>(model_.bodies[static_cast<std::size_t>(b)].material)];
+}
+
+double ContactFinder::slack(std::int32_t a, std::int32_t b) const {
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  const Body& body_a = model_.bodies[i];
-  const Body& body_b = model_.bodies[j];
-  // Against a tool, whose speed is not among its neighbours', the two add up; between grains the faster one counts, for
-  // both speeds are already the largest of the neighbourhood.
-  const double approach = body_a.dynamic && body_b.dynamic ? std::max(fast_[i], fast_[j]) : fast_[i] + fast_[j];
-  const double margin = approach + std::min(base_margin_[i], base_margin_[j]);
-  const double cohesion = cohesion_range_[static_cast<std::size_t>(body_a.material) * model_.materials.size() +
-                                          static_cast<std::size_t>(body_b.material)];
-  return search_margin_ * std::max(margin, cohesion);
+  return search_margin_ * (handed_on * std::max(stir_[i], stir_[j]) + std::min(base_margin_[i], base_margin_[j]));
 }
 
-void ContactFinder::collide_bodies(std::int32_t a, std::int32_t b, double margin, std::vector<ContactPoint>& scratch,
-                                   std::vector<FoundContact>& out) const {
+double ContactFinder::reach_of_pair(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b) const {
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  const double approach =
+      (placement.velocity[i] - placement.velocity[j]).norm() + placement.turning_speed[i] + placement.turning_speed[j];
+  return std::max(step * approach + slack(a, b), search_margin_ * pair_cohesion_range(a, b));
+}
+
+void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
+  const std::size_t chunks = (dynamic_.size() + chunk_size - 1) / chunk_size;
+  chunk_.resize(std::max(chunk_.size(), chunks));
+#pragma omp parallel num_threads(threads) if (threads > 1)
+  {
+    std::vector<ContactPoint> scratch;
+#pragma omp for schedule(dynamic)
+    for (std::ptrdiff_t chunk = 0; chunk < static_cast<std::ptrdiff_t>(chunks); ++chunk) {
+      std::vector<FoundContact>& out = chunk_[static_cast<std::size_t>(chunk)];
+      out.clear();
+      const std::size_t first = static_cast<std::size_t>(chunk) * chunk_size;
+      for (std::size_t at = first; at < std::min(first + chunk_size, dynamic_.size()); ++at) {
+        const std::int32_t body = dynamic_[at];
+        const auto i = static_cast<std::size_t>(body);
+        if (!present_[i]) continue;
+        for (std::int32_t tool : prescribed_) {
+          const auto t = static_cast<std::size_t>(tool);
+          if (!present_[t]) continue;
+          collide_bodies(placement, step, body, tool, scratch, out);
+        }
+      }
+    }
+  }
+  tool_contacts_.clear();
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+    tool_contacts_.insert(tool_contacts_.end(), chunk_[chunk].begin(), chunk_[chunk].end());
+}
+
+void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
+                                   std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const {
   if (a > b) std::swap(a, b);
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  const double margin = reach_of_pair(placement, step, a, b);
+  const double bodies_reach = bound_[i] + bound_[j] + margin;
+  if (std::isfinite(bodies_reach) &&
+      (placement.position[j] - placement.position[i]).squaredNorm() > bodies_reach * bodies_reach)
+    return;
+  const double late = slack(a, b), cohesion = pair_cohesion_range(a, b);
   const std::uint64_t bodies = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
+  const auto closes = [&](const ContactPoint& point) {
+    if (point.gap <= cohesion) return true;
+    const Vec3 u = placement.velocity[j] + placement.angular_velocity[j].cross(point.point - placement.position[j]) -
+                   placement.velocity[i] - placement.angular_velocity[i].cross(point.point - placement.position[i]);
+    return point.gap + step * point.normal.dot(u) <= late;
+  };
   const auto gate_open = [&](const Body& body, double gap) {
     return !body.active.empty() && gap < -body.gate_tolerance / unit_;
   };
@@ -151,27 +215,27 @@ void ContactFinder::collide_bodies(std::int32_t a, std::int32_t b, double margin
       const std::uint64_t part_pair = static_cast<std::uint64_t>(p - first_part_[i]) << 48 |
                                       static_cast<std::uint64_t>(q - first_part_[j]) << 32;
       for (const ContactPoint& point : scratch) {
-        if (gate_open(model_.bodies[i], point.gap) || gate_open(model_.bodies[j], point.gap)) continue;
+        if (!closes(point) || gate_open(model_.bodies[i], point.gap) || gate_open(model_.bodies[j], point.gap)) continue;
         out.push_back({{bodies, part_pair | point.feature}, point});
       }
     }
 }
 
-const std::vector<FoundContact>& ContactFinder::find(const Placement& placement, double step, double search_margin,
+const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placement, double step, double search_margin,
                                                      int threads) {
   search_margin_ = search_margin;
   present_ = placement.present;
   place_parts(placement, threads);
-  local_speeds(placement);
-  for (double& f : fast_) f *= step;
+  find_tool_contacts(placement, step, threads);
+  local_speeds(placement, step);
 
   centre_.clear();
   reach_.clear();
   for (std::int32_t i : dynamic_) {
     const auto body = static_cast<std::size_t>(i);
     centre_.push_back(placement.position[body]);
-    // Half of the pair's margin from either side would do for equal ones; the whole from both is safe for all.
-    reach_.push_back(bound_[body] + search_margin * std::max(fast_[body] + base_margin_[body], widest_cohesion_));
+    // The stir bounds the difference of any two velocities nearby, so this covers the reach of every pair.
+    reach_.push_back(bound_[body] + search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + base_margin_[body], widest_cohesion_));
   }
   broad_.build(centre_, reach_);
   order_.clear();
@@ -192,22 +256,12 @@ const std::vector<FoundContact>& ContactFinder::find(const Placement& placement,
         if (!present_[static_cast<std::size_t>(a)]) continue;
         broad_.partners(rank, [&](std::int32_t other) {
           const std::int32_t b = dynamic_[static_cast<std::size_t>(other)];
-          if (present_[static_cast<std::size_t>(b)]) collide_bodies(a, b, pair_margin(a, b), scratch, out);
+          if (present_[static_cast<std::size_t>(b)]) collide_bodies(placement, step, a, b, scratch, out);
         });
-        for (std::int32_t tool : prescribed_) {
-          const auto t = static_cast<std::size_t>(tool);
-          if (!present_[t]) continue;
-          const double margin = pair_margin(a, tool);
-          const double reach = bound_[static_cast<std::size_t>(a)] + bound_[t] + margin;
-          if (std::isfinite(reach) && (placement.position[t] - placement.position[static_cast<std::size_t>(a)]).squaredNorm() >
-                                          reach * reach)
-            continue;
-          collide_bodies(a, tool, margin, scratch, out);
-        }
       }
     }
   }
-  found_.clear();
+  found_ = tool_contacts_;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk)
     found_.insert(found_.end(), chunk_[chunk].begin(), chunk_[chunk].end());
   return found_;

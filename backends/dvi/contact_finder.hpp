@@ -25,10 +25,12 @@ struct FoundContact {
 };
 
 /// A model's bodies in the caller's unit of length: what the finder needs to know of the state.
-struct Placement {
+struct BodyPlacement {
   std::vector<Vec3> position;     ///< of every body
   std::vector<Mat3> rotation;
-  std::vector<double> speed;      ///< bound on the speed of any point of the body, forces of this step included
+  std::vector<Vec3> velocity;     ///< of every body after the forces of the step, without contacts
+  std::vector<Vec3> angular_velocity;
+  std::vector<double> turning_speed;  ///< bound on the speed of its points about its centre
   std::vector<char> present;      ///< 0: the body does not exist at this time
 };
 
@@ -37,11 +39,14 @@ class ContactFinder {
   /// `unit`: length of the caller's unit [m]. The model must outlive the finder.
   ContactFinder(const Model& model, double unit);
 
-  /// Every contact with gap <= margin, in spatial order of the first body. The margin of a pair is
-  ///   search_margin * (step * fastest speed near either body + a fiftieth of the smaller radius), at least the pair's
-  /// cohesion range: within one step no pair beyond it can meet. "Near" is within about two of the largest diameters,
-  /// which covers a blow that is handed on. Deterministic at any thread count.
-  const std::vector<FoundContact>& find(const Placement& placement, double step, double search_margin, int threads);
+  /// Every contact that can close within the step: those with tools first, then those of free bodies in spatial order. Kept
+  /// are contacts within the cohesion range, and those with
+  ///   gap + step * u_n  <=  search_margin * (step * stir / 4 + a fiftieth of the smaller radius)
+  /// where u_n is the normal velocity that the two would have without contacts, and stir the largest difference of two
+  /// velocities found near them (within about two of the largest diameters, a touched tool's velocity included): what a
+  /// blow that is handed on within the step may add. Grains that fall side by side are no contacts. Deterministic at any
+  /// thread count.
+  const std::vector<FoundContact>& find(const BodyPlacement& placement, double step, double search_margin, int threads);
 
   /// Dynamic bodies in spatial order (of the last call).
   const std::vector<std::int32_t>& order() const { return order_; }
@@ -54,11 +59,14 @@ class ContactFinder {
     double radius = 0;  ///< if it is a sphere
   };
 
-  void place_parts(const Placement& placement, int threads);
-  void local_speeds(const Placement& placement);
-  void collide_bodies(std::int32_t a, std::int32_t b, double margin, std::vector<ContactPoint>& scratch,
-                      std::vector<FoundContact>& out) const;
-  double pair_margin(std::int32_t a, std::int32_t b) const;
+  void place_parts(const BodyPlacement& placement, int threads);
+  void find_tool_contacts(const BodyPlacement& placement, double step, int threads);
+  void local_speeds(const BodyPlacement& placement, double step);
+  double pair_cohesion_range(std::int32_t a, std::int32_t b) const;
+  double slack(std::int32_t a, std::int32_t b) const;
+  double reach_of_pair(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b) const;
+  void collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
+                      std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const;
 
   const Model& model_;
   double unit_;
@@ -66,7 +74,7 @@ class ContactFinder {
   std::vector<std::int32_t> first_part_;   ///< per body, plus the end
   std::vector<PlacedPart> parts_;
   std::vector<double> bound_;              ///< per body: ball about its position
-  std::vector<double> fast_;               ///< per body: fastest speed near it, times the step
+  std::vector<double> stir_;               ///< per body: largest difference of two velocities near it, times the step
   std::vector<double> base_margin_;        ///< per body
   std::vector<double> cohesion_range_;     ///< per pair of materials
   double widest_cohesion_ = 0;
@@ -77,7 +85,7 @@ class ContactFinder {
   std::vector<double> reach_;
   std::vector<std::int32_t> order_;
   std::vector<std::vector<FoundContact>> chunk_;
-  std::vector<FoundContact> found_;
+  std::vector<FoundContact> tool_contacts_, found_;
 };
 
 }  // namespace repose::dvi

@@ -6,7 +6,7 @@ namespace repose::dvi {
 
 namespace {
 
-constexpr int max_passes = 8;          // over one block, within one visit
+constexpr int max_passes = 4;          // over one block, within one visit
 constexpr double block_tolerance = 0.3;  // of the first change: the next sweep finds the rest
 
 template <class Real>
@@ -15,6 +15,7 @@ using V = Lanes<Real>;
 /// u += W e_i d for the block's own rows.
 template <class Real, int Rows>
 [[gnu::always_inline]] inline void add_column(const Batch<Real>& c, int i, const V<Real>& d, V<Real>* u) {
+#pragma GCC unroll 6
   for (int k = 0; k < Rows; ++k) u[k] += c.w[block_index(i, k)] * d;
 }
 
@@ -99,12 +100,15 @@ template <class Real, bool Rotational>
   constexpr int rows = Rotational ? 6 : 3;
   // The trace bounds the largest eigenvalue of a positive semidefinite block.
   V<Real> trace{};
+#pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) trace += c.w[block_index(k, k)];
   const V<Real> inverse = Real(1) / trace;
   for (int pass = 0; pass < max_passes; ++pass) {
     V<Real> x[6];
+#pragma GCC unroll 6
     for (int k = 0; k < rows; ++k) x[k] = g[k] - inverse * u[k];
     project<Real, Rotational>(c, x);
+#pragma GCC unroll 6
     for (int k = 0; k < rows; ++k) {
       const V<Real> d = x[k] - g[k];
       g[k] = x[k];
@@ -148,14 +152,17 @@ void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
   second_tangent<Real>(c, t2);
   relative_velocity<Real, Rotational>(c, t2, va, wa, vb, wb, u);
   u[0] += c.bias;
+#pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) g[k] = c.impulse[k];
   if constexpr (Exact) {
     solve_block_exact<Real, Rotational>(c, g, u);
   } else {
     solve_block_relaxed<Real, Rotational>(c, g, u);
   }
+#pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) g[k] = c.impulse[k] + relaxation * (g[k] - c.impulse[k]);
   pull_back<Real, Rotational>(c, g);
+#pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) {
     const V<Real> d = g[k] - c.impulse[k];
     c.impulse[k] = g[k];

@@ -48,7 +48,7 @@ class WorldDvi final : public World {
     const double h = dt / units_.time;
     place_prescribed(dt);
     free_velocities(h, loads);
-    const std::vector<FoundContact>& found = finder_.find(placement(h), h, options_.search_margin, options_.threads);
+    const std::vector<FoundContact>& found = finder_.find(placement(), h, options_.search_margin, options_.threads);
     build_problem(found, h);
     warm_start(found, h);
     SolveReport solved = solve_with_impacts(problem_, impact_, h, options_, impulse_, velocity_after_, angular_after_);
@@ -183,25 +183,25 @@ class WorldDvi final : public World {
     }
   }
 
-  Placement placement(double h) const {
-    Placement p;
+  BodyPlacement placement() const {
+    BodyPlacement p;
     p.position = position_;
     p.rotation = rotation_;
     const std::size_t n = model_.bodies.size();
-    p.speed.resize(n);
+    p.velocity = free_velocity_;
+    p.angular_velocity = free_angular_;
+    p.turning_speed.resize(n);
     p.present.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Body& body = model_.bodies[i];
+      if (body.dynamic && !(free_velocity_[i].allFinite() && free_angular_[i].allFinite())) fail(i);
       const double radius =
           model_.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale / units_.length;
-      const double turning = std::max(angular_[i].norm(), free_angular_[i].norm());
-      p.speed[i] = std::max(velocity_[i].norm(), free_velocity_[i].norm()) + (turning > 0 ? turning * radius : 0.0);
+      // Unbounded bodies that turn (a half-space) have no largest speed; near the others they move like their origin.
+      const double turning = free_angular_[i].norm();
+      p.turning_speed[i] = turning > 0 && std::isfinite(radius) ? turning * radius : 0.0;
       p.present[i] = body.exists_at(time_) ? 1 : 0;
-      if (!std::isfinite(p.speed[i]) && body.dynamic) fail(i);
-      // An unbounded body that turns (a half-space) has no largest speed; its near points move like its reference point.
-      if (!std::isfinite(p.speed[i])) p.speed[i] = velocity_[i].norm();
     }
-    (void)h;
     return p;
   }
 
