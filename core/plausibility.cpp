@@ -13,9 +13,10 @@ void check_scene(const Scene& scene, Findings& findings) {
   check_counts(grains, findings);
   check_gravity_and_speeds(scene, findings);
   check_step(scene, grains, findings);
-  check_funnels(scene, sizes_are_sound ? grains : std::vector<PopulationFigures>{}, findings);
-  check_bases(scene, sizes_are_sound ? grains : std::vector<PopulationFigures>{}, findings);
-  check_fills(scene, findings);
+  const std::vector<PopulationFigures> sound = sizes_are_sound ? grains : std::vector<PopulationFigures>{};
+  check_funnels(scene, sound, findings);
+  check_bases(scene, sound, findings);
+  check_fills(scene, sound, findings);
   check_support(scene, findings);
   check_tool_overlaps(scene, findings);
   check_air(scene, grains, findings);

@@ -49,7 +49,7 @@ void check_air(const Scene& scene, const std::vector<PopulationFigures>& grains,
 
 void check_funnels(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 void check_bases(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
-void check_fills(const Scene& scene, Findings& findings);
+void check_fills(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 void check_support(const Scene& scene, Findings& findings);
 
 /// Tools that cut into each other at time 0.

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double arching = 4;       // outlets below this many typical grains clog now and then (the largest count, too)
 constexpr double narrow_base = 10;  // typical grains across a base
+constexpr double flattest_fill = 0.1, widest_fill = 1e6;  // height and width of a region, in typical grains
 
 std::string key_of(const Tool& tool, const std::string& key) { return "tools." + tool.name + "." + key; }
 
@@ -37,6 +38,29 @@ void check_outlet(const Tool& tool, const Funnel& funnel, const PopulationFigure
   else if (outlet < arching * g.typical || outlet < 3 * g.largest)
     findings.warn(key_of(tool, "outlet_diameter"), found + ": grains will form arches over it",
                   fmt::format("make it at least {}", length_text(std::max(6 * g.typical, 4 * g.largest))));
+}
+
+// A region as such: wide enough for a grain, not flat, not as large as a landscape.
+void check_fill_size(const PopulationFigures& g, Findings& findings) {
+  const FillRegion& fill = g.population->fill;
+  const bool is_box = fill.kind == FillRegion::Kind::box;
+  const double height = is_box ? fill.upper.z() - fill.lower.z() : fill.height;
+  const double width =
+      is_box ? (fill.upper - fill.lower).head<2>().minCoeff() : 2 * std::max(fill.radius_bottom, fill.radius_top);
+  const double widest = is_box ? (fill.upper - fill.lower).head<2>().maxCoeff() : width;
+  const std::string place = "grains." + g.population->name + ".fill";
+  const std::string remedy = "check the unit of its lengths";
+  const double least = fill.grow ? flattest_fill * g.typical : g.largest;
+  if (width < g.largest)
+    findings.refuse(place, fmt::format("{} wide, for grains of up to {}", length_text(width), length_text(g.largest)),
+                    remedy);
+  else if (height < least)
+    findings.refuse(place, fmt::format("{} high, for grains of {}", length_text(height), length_text(g.typical)),
+                    remedy);
+  else if (std::max(widest, height) > widest_fill * g.typical)
+    findings.refuse(
+        place, fmt::format("{} large, for grains of {}", length_text(std::max(widest, height)), length_text(g.typical)),
+        remedy);
 }
 
 // The region of a population against the inside of the funnel that it starts in.
@@ -136,7 +160,8 @@ void check_bases(const Scene& scene, const std::vector<PopulationFigures>& grain
   }
 }
 
-void check_fills(const Scene& scene, Findings& findings) {
+void check_fills(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings) {
+  for (const PopulationFigures& g : grains) check_fill_size(g, findings);
   for (const GrainPopulation& g : scene.grains)
     for (const Tool& tool : scene.tools)
       if (const Funnel* funnel = std::get_if<Funnel>(&tool.kind)) {

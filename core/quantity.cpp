@@ -206,7 +206,7 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   const bool plus = take(rest, "+");
   double value = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
-  if (error == std::errc::result_out_of_range)
+  if (error == std::errc::result_out_of_range || std::fpclassify(value) == FP_SUBNORMAL)
     throw Error("", fmt::format("`{}` is beyond the range of numbers", given), "write " + expectation(expected));
   if (error != std::errc() || (plus && rest.front() == '-') || !std::isfinite(value))
     throw Error("", fmt::format("`{}` is not a number", given), "write " + expectation(expected));
@@ -223,7 +223,7 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
     throw Error("", fmt::format("`{}` is in {}; expected {}", given, unit_of(scale.dimension), unit_of(expected)),
                 "write " + expectation(expected));
   const double result = value * scale.factor;
-  if (!std::isfinite(result) || (result == 0 && value != 0))
+  if (!std::isfinite(result) || (value != 0 && !std::isnormal(result)))
     throw Error("", fmt::format("`{}` is beyond the range of numbers", given), "write " + expectation(expected));
   return result;
 }

@@ -91,6 +91,11 @@ edit base_narrower_than_a_grain heap.yaml "diameter: 2 mm" "diameter: 20 um" "" 
 edit overlapping_tools heap.yaml $'    material: steel\n    position: [0, 0, 1 mm]' $'    material: steel\n    position: [0, 0, 0.05 mm]' "" "cut into each other" "move one"
 edit funnel_under_the_base heap.yaml $'    material: steel\n    diameter' $'    material: steel\n    position: [0, 0, 5 mm]\n    diameter' "" "below the plate" "raise it"
 edit fill_outside_the_funnel heap.yaml "radius_bottom: 0.3 mm" "radius_bottom: 0.5 mm" "" "grains.powder.fill" "narrower"
+edit fill_narrower_than_a_grain heap.yaml "frustum: {base: [0, 0, 1 mm], radius_bottom: 0.3 mm, radius_top: 0.6 mm, height: 0.5196 mm}" \
+  "cylinder: {base: [0, 0, 1.2 mm], radius: 20 um, height: 0.3 mm}" "cylinder: {base: [0, 0, 1.2 mm], radius: 0.2 mm, height: 0.3 mm}" \
+  "grains.powder.fill" "check the unit"
+edit fill_without_height heap.yaml "height: 0.5196 mm" "height: 1e-300" "" "grains.powder.fill" "check the unit"
+edit denormal_number heap.yaml "height: 0.5196 mm" "height: 1e-320" "" "fill.frustum.height" "a number in m"
 edit grains_inside_a_wall heap.yaml "  base:" $'  block: {type: plate, material: steel, size: [0.3 mm, 0.3 mm, 0.3 mm], position: [0, 0, 1.5 mm]}\n  base:' \
   $'  block: {type: plate, material: steel, size: [0.3 mm, 0.3 mm, 0.3 mm], position: [0, 0, 4 mm]}\n  base:' "grains.powder.fill" "free space"
 edit funnel_that_never_opens heap.yaml "opens: 0.002" "opens: 2" "" "tools.funnel.opens" "open it earlier"

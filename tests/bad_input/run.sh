@@ -25,7 +25,7 @@ complain() {
 
 # launch COMMAND...: output and exit status; no run may take longer than a minute.
 launch() {
-  timeout 60 "$@" >"$work/output" 2>&1 </dev/null
+  timeout -k 5 60 "$@" >"$work/output" 2>&1 </dev/null
   status=$?
 }
 

@@ -9,6 +9,11 @@ if wanted files; then
   refuses binary_file "not a text file" "YAML text" "$bin/repose-check" zeros.yaml
   accepts a_scene_file "$bin/repose-check" bodies.yaml
 fi
+if wanted samples; then
+  for scene in "$here"/../../scenarios/configs/*.yaml; do
+    [[ $scene == */grain_shapes.yaml || $scene == */study_* ]] || accepts "${scene##*/}" "$bin/repose-check" "$scene"
+  done
+fi
 if wanted arguments; then
   refuses no_argument "SCENE.yaml" "--help" "$bin/repose-check"
   refuses unknown_option "--qiet" "--help" "$bin/repose-check" bodies.yaml --qiet
