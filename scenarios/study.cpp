@@ -31,9 +31,9 @@ std::vector<Scene> scenes_of(const StudyPlan& plan, const Options& options) {
     own.threads = 1;
     own.seed = plan.first_seed;
     own.overrides = point.set;
-    Prepared prepared = prepare(plan.scene, own);
+    Prepared prepared = prepare(point.scene, own);
     if (!heap_site(prepared.scene))
-      throw Error(plan.scene.string() + ": tools", "the scene has no base to measure a heap on", "add a tool of kind base");
+      throw Error(point.scene.string() + ": tools", "the scene has no base to measure a heap on", "add a tool of kind base");
     scenes.push_back(std::move(prepared.scene));
   }
   return scenes;
@@ -160,7 +160,6 @@ int study(const Options& options) {
   result["scenario"] = "study";
   result["backend"] = options.backend;
   result["seed"] = options.seed;
-  result["scene_file"] = plan.scene.filename().string();
   result["wall_s"] = report.progress.wall_s;
   result["version"] = version();
   result["commit"] = commit();

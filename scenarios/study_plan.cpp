@@ -91,16 +91,24 @@ std::string label_of(const std::vector<Override>& set) {
   return label;
 }
 
-void read_series(const std::string& name, const YamlReader& block, const std::vector<Override>& common, int seeds, StudyPlan& plan) {
-  block.only({"label", "reference", "set", "vary", "points", "seeds"});
+// What a series takes from the study where it says nothing itself.
+struct Defaults {
+  std::filesystem::path folder, scene;
+  std::vector<Override> set;
+  int seeds = 8;
+};
+
+void read_series(const std::string& name, const YamlReader& block, const Defaults& defaults, StudyPlan& plan) {
+  block.only({"label", "reference", "scene", "set", "vary", "points", "seeds"});
   StudySeries series{name, block.has("label") ? block.at("label").text() : name,
                      block.has("reference") ? block.at("reference").text() : "", ""};
-  std::vector<Override> base = common;
+  const std::filesystem::path scene = block.has("scene") ? defaults.folder / block.at("scene").text() : defaults.scene;
+  std::vector<Override> base = defaults.set;
   for (Override& o : overrides_of(block)) base.push_back(std::move(o));
-  const int own_seeds = seeds_of(block, seeds);
+  const int own_seeds = seeds_of(block, defaults.seeds);
   const std::size_t before = plan.points.size();
   const auto add = [&](const std::vector<Override>& set, std::string label, std::optional<double> x, int n) {
-    StudyPoint point{plan.series.size(), std::move(label), x, base, n};
+    StudyPoint point{plan.series.size(), std::move(label), x, base, n, scene};
     point.set.insert(point.set.end(), set.begin(), set.end());
     plan.points.push_back(std::move(point));
   };
@@ -128,11 +136,9 @@ StudyPlan parse_study(const std::string& text, const std::string& name, const st
   root.only({"title", "scene", "seeds", "first_seed", "set", "series"});
   StudyPlan plan;
   plan.title = root.has("title") ? root.at("title").text() : name;
-  plan.scene = folder / root.at("scene").text();
   if (root.has("first_seed")) plan.first_seed = root.at("first_seed").count();
-  const int seeds = seeds_of(root, 8);
-  const std::vector<Override> common = overrides_of(root);
-  for (const auto& [key, block] : root.at("series").named()) read_series(key, block, common, seeds, plan);
+  const Defaults defaults{folder, folder / root.at("scene").text(), overrides_of(root), seeds_of(root, 8)};
+  for (const auto& [key, block] : root.at("series").named()) read_series(key, block, defaults, plan);
   if (plan.points.empty()) root.at("series").fail("there is no point", "add a series");
   if (plan.points.size() > most_points) root.at("series").fail("makes more than 100,000 points", "vary less");
   return plan;

@@ -15,6 +15,7 @@
 ///         - {pairs.pa12-pa12.rolling_friction: [0.05, 0.1], pairs.pa12-pa12.spinning_friction: [0.05, 0.1]}
 ///       points: [{label: sliding only, set: {...}}]   # instead of, or beside, `vary`
 ///       seeds: 8                          # if not that of the study
+///       scene: aor.yaml                   # if not that of the study
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -30,6 +31,7 @@ struct StudyPoint {
   std::optional<double> x;     ///< value of the first varied key, if it is a number
   std::vector<Override> set;   ///< of the study, of the series, of the point, in this order
   int seeds = 0;
+  std::filesystem::path scene;  ///< resolved against the folder of the study
 };
 
 struct StudySeries {
@@ -39,7 +41,6 @@ struct StudySeries {
 
 struct StudyPlan {
   std::string title;
-  std::filesystem::path scene;  ///< resolved against the folder of the study
   std::uint64_t first_seed = 1;
   std::vector<StudySeries> series;
   std::vector<StudyPoint> points;

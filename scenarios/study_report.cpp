@@ -127,7 +127,7 @@ report::Report study_report(const StudyPlan& plan, const json& study, const std:
     failed += point["failed"].get<std::size_t>();
     moving += point["not_at_rest"].get<std::size_t>();
   }
-  page.subtitle = fmt::format("{} runs at {} points of {}", runs, plan.points.size(), plan.scene.filename().string());
+  page.subtitle = fmt::format("{} runs at {} points", runs, plan.points.size());
   Warnings warnings;
   if (failed > 0) warnings.items.push_back(fmt::format("{} runs failed", failed));
   if (moving > 0) warnings.items.push_back(fmt::format("{} heaps were not at rest at the end", moving));

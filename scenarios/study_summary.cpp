@@ -57,7 +57,7 @@ json point_json(const StudyPlan& plan, const StudyPoint& point, const PointRuns&
   std::size_t moving = 0;
   for (double at_rest : values["at_rest"]) moving += at_rest == 0;
   json result = {{"set", set},          {"series", plan.series[point.series].name},
-                 {"label", point.label}, {"x", point.x ? json(*point.x) : json(nullptr)},
+                 {"label", point.label}, {"scene", point.scene.filename().string()}, {"x", point.x ? json(*point.x) : json(nullptr)},
                  {"runs", runs.good.size()}, {"failed", runs.failed}, {"missing", runs.missing},
                  {"not_at_rest", moving}, {"observables", observables}};
   if (!runs.failure.empty()) result["failure"] = runs.failure;

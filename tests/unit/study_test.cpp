@@ -50,12 +50,13 @@ series:
       - {a.rho: [1, 2]}
       - {a.mu: [3, 4, 5]}
   single:
+    scene: other.yaml
     points: [{label: sliding only, set: {a.rho: 0}}, {set: {a.kind: fast}}]
 )";
 
 TEST(StudyPlan, ListsGoTogetherAndMapsAreCrossed) {
   const StudyPlan plan = parse_study(plan_text, "study.yaml", "/somewhere");
-  EXPECT_EQ(plan.scene, fs::path("/somewhere/heap.yaml"));
+  EXPECT_EQ(plan.points[0].scene, fs::path("/somewhere/heap.yaml"));
   ASSERT_EQ(plan.points.size(), 2u + 6u + 2u);
   EXPECT_EQ(plan.series[0].x_key, "a.rho");
   const StudyPoint& second = plan.points[1];
@@ -68,6 +69,7 @@ TEST(StudyPlan, ListsGoTogetherAndMapsAreCrossed) {
   EXPECT_EQ(plan.points[4].set.back().value, "5");
   EXPECT_EQ(plan.points[5].set.back().value, "3");
   EXPECT_EQ(plan.points[4].seeds, 1);
+  EXPECT_EQ(plan.points[9].scene, fs::path("/somewhere/other.yaml"));
   EXPECT_EQ(plan.points[8].label, "sliding only");
   EXPECT_FALSE(plan.points[8].x);
   EXPECT_EQ(plan.points[9].label, "kind fast");
