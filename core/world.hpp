@@ -17,7 +17,7 @@ struct StepReport {
   double residual = 0;       ///< relative, of the exact law (see backends/dvi/cone_problem.hpp); 0 if not defined
   bool converged = true;     ///< residual <= tolerance
   bool cycling = false;      ///< the solver's fixed point was seen to cycle and its fallback rule was used
-  double penetration = 0;    ///< deepest overlap at the end of the step, by geometry [m], >= 0
+  double penetration = 0;    ///< deepest overlap at the start of the step, which the one before left, by geometry [m], >= 0
   double contact_work = 0;   ///< work of all contact impulses of this step [J]; <= 0 up to rounding when no tool moves
 };
 

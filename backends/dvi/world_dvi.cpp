@@ -16,6 +16,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr double penetration_slop = 1e-3;  // of R*: deeper overlap is removed, shallower is left alone
+constexpr int separation_rounds = 4;
 
 Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * diagonal.asDiagonal() * rotation.transpose(); }
 
@@ -48,16 +49,17 @@ class WorldDvi final : public World {
     const double h = dt / units_.time;
     place_prescribed(dt);
     free_velocities(h, loads);
-    const std::vector<FoundContact>& found = finder_.find(placement(), h, options_.search_margin, options_.threads);
+    const std::vector<FoundContact>& found =
+        finder_.find(placement(free_velocity_, free_angular_), h, options_.search_margin, options_.threads);
     build_problem(found, h);
     warm_start(found, h);
     SolveReport solved = solve_with_impacts(problem_, impact_, h, options_, impulse_, velocity_after_, angular_after_);
     StepReport report = report_of(found, solved);
-    remove_penetration(found, h);
+    keep_impulses(found);
     advance(h);
-    keep_impulses(found, h);
     time_ += dt;
     last_step_ = h;
+    remove_penetration();
     return report;
   }
 
@@ -183,22 +185,22 @@ class WorldDvi final : public World {
     }
   }
 
-  BodyPlacement placement() const {
+  BodyPlacement placement(const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular_velocity) const {
     BodyPlacement p;
     p.position = position_;
     p.rotation = rotation_;
+    p.velocity = velocity;
+    p.angular_velocity = angular_velocity;
     const std::size_t n = model_.bodies.size();
-    p.velocity = free_velocity_;
-    p.angular_velocity = free_angular_;
     p.turning_speed.resize(n);
     p.present.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Body& body = model_.bodies[i];
-      if (body.dynamic && !(free_velocity_[i].allFinite() && free_angular_[i].allFinite())) fail(i);
+      if (body.dynamic && !(velocity[i].allFinite() && angular_velocity[i].allFinite())) fail(i);
       const double radius =
           model_.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale / units_.length;
       // Unbounded bodies that turn (a half-space) have no largest speed; near the others they move like their origin.
-      const double turning = free_angular_[i].norm();
+      const double turning = angular_velocity[i].norm();
       p.turning_speed[i] = turning > 0 && std::isfinite(radius) ? turning * radius : 0.0;
       p.present[i] = body.exists_at(time_) ? 1 : 0;
     }
@@ -244,10 +246,9 @@ class WorldDvi final : public World {
       c.arm_a = point.point - position_[a];
       c.arm_b = point.point - position_[b];
       c.friction = law.friction;
-      const double arm = reduced_radius(body_a.radius, body_b.radius);
-      c.arm = arm / units_.length;
-      c.rolling = arms.rolling / arm;
-      c.spinning = arms.spinning / arm;
+      c.arm = arm_of(found[i]);
+      c.rolling = arms.rolling / units_.length / c.arm;
+      c.spinning = arms.spinning / units_.length / c.arm;
       const bool holds = law.cohesion > 0 && point.gap * units_.length <= law.cohesion_range;
       c.cohesion = holds ? h * (law.cohesion / units_.force()) : 0.0;
       impact_[i].gap = point.gap;
@@ -304,32 +305,82 @@ class WorldDvi final : public World {
     return report;
   }
 
-  void remove_penetration(const std::vector<FoundContact>& found, double h) {
-    gap_after_.resize(found.size());
-    for (std::size_t i = 0; i < found.size(); ++i)
-      gap_after_[i] =
-          found[i].point.gap + h * relative_velocity(problem_.contacts[i], velocity_after_, angular_after_)[0];
-    push_apart(problem_, gap_after_, penetration_slop, displacement_);
+  /// What the linear step left of overlap (turning bodies, curved tools, the solver's tolerance) is measured by geometry at
+  /// the new positions and taken away there; deep overlap again, because the correction is linear too.
+  void remove_penetration() {
+    for (int round = 0; round < separation_rounds; ++round)
+      if (!push_overlaps_apart()) return;
   }
 
-  /// Symplectic Euler, then the displacements. The angular velocity is carried over so that the angular momentum of a
-  /// tumbling body stays what it was while its axes turn.
+  /// Returns whether there was overlap deep enough to look again.
+  bool push_overlaps_apart() {
+    const std::size_t n = model_.bodies.size();
+    resting_.assign(n, Vec3::Zero());
+    for (std::size_t i = 0; i < n; ++i) rotation_[i] = orientation_[i].toRotationMatrix();
+    const std::vector<FoundContact>& found =
+        finder_.find(placement(resting_, resting_), 0.0, options_.search_margin, options_.threads);
+    double deepest = 0;  // over R*
+    for (const FoundContact& contact : found) deepest = std::max(deepest, -contact.point.gap / arm_of(contact));
+    if (deepest <= penetration_slop) return false;
+    overlap_.dynamic_bodies = static_cast<std::int32_t>(n);
+    overlap_.velocity.assign(n, Vec3::Zero());
+    overlap_.inverse_mass.assign(n, {});
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!model_.bodies[i].dynamic) continue;
+      overlap_.inverse_mass[i].mass = 1 / mass_[i];
+      const Mat3 world = rotated(rotation_[i], inertia_[i].cwiseInverse());
+      overlap_.inverse_mass[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
+    }
+    overlap_.contacts.resize(found.size());
+    gap_.resize(found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      ConeContact& c = overlap_.contacts[i];
+      c.a = found[i].id.a();
+      c.b = found[i].id.b();
+      c.normal = found[i].point.normal;
+      c.arm_a = found[i].point.point - position_[static_cast<std::size_t>(c.a)];
+      c.arm_b = found[i].point.point - position_[static_cast<std::size_t>(c.b)];
+      c.arm = arm_of(found[i]);
+      gap_[i] = found[i].point.gap;
+    }
+    push_apart(overlap_, gap_, penetration_slop, displacement_);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!model_.bodies[i].dynamic) continue;
+      position_[i] += displacement_[i].shift;
+      turn_body(i, displacement_[i].turn);
+    }
+    return deepest > 10 * penetration_slop;
+  }
+
+  /// R* of the pair.
+  double arm_of(const FoundContact& contact) const {
+    return reduced_radius(model_.bodies[static_cast<std::size_t>(contact.id.a())].radius,
+                          model_.bodies[static_cast<std::size_t>(contact.id.b())].radius) /
+           units_.length;
+  }
+
+  /// Turns a body by a rotation vector. The angular velocity is carried over so that the angular momentum of a tumbling body
+  /// stays what it was while its axes turn.
+  void turn_body(std::size_t body, const Vec3& turn) {
+    if (turn.squaredNorm() == 0) return;
+    const Mat3 before = orientation_[body].toRotationMatrix();
+    orientation_[body] = (rotation_of(turn) * orientation_[body]).normalized();
+    if (isotropic_[body]) return;
+    const Mat3 after = orientation_[body].toRotationMatrix();
+    const Vec3 momentum = before * inertia_[body].cwiseProduct(before.transpose() * angular_[body]);
+    angular_[body] = after * (after.transpose() * momentum).cwiseQuotient(inertia_[body]);
+  }
+
+  /// Symplectic Euler.
   void advance(double h) {
-    const auto dynamic = static_cast<std::ptrdiff_t>(problem_.dynamic_bodies);
-    for (std::ptrdiff_t s = 0; s < dynamic; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
+    const auto dynamic = static_cast<std::size_t>(problem_.dynamic_bodies);
+    for (std::size_t slot = 0; slot < dynamic; ++slot) {
       const auto body = static_cast<std::size_t>(body_of_slot_[slot]);
       velocity_[body] = velocity_after_[slot];
       angular_[body] = angular_after_[slot];
       if (!velocity_[body].allFinite() || !angular_[body].allFinite()) fail(body);
-      position_[body] += h * velocity_[body] + displacement_[slot].shift;
-      const Vec3 turn = h * angular_[body] + displacement_[slot].turn;
-      if (turn.squaredNorm() == 0) continue;
-      orientation_[body] = (rotation_of(turn) * orientation_[body]).normalized();
-      if (isotropic_[body]) continue;
-      const Mat3 turned = orientation_[body].toRotationMatrix();
-      const Vec3 momentum = rotation_[body] * inertia_[body].cwiseProduct(rotation_[body].transpose() * angular_[body]);
-      angular_[body] = turned * (turned.transpose() * momentum).cwiseQuotient(inertia_[body]);
+      position_[body] += h * velocity_[body];
+      turn_body(body, h * angular_[body]);
     }
     // Prescribed bodies are shown where they will be at the end of the step.
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
@@ -341,7 +392,7 @@ class WorldDvi final : public World {
     }
   }
 
-  void keep_impulses(const std::vector<FoundContact>& found, double) {
+  void keep_impulses(const std::vector<FoundContact>& found) {
     kept_.resize(found.size());
     kept_point_.resize(found.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -381,7 +432,9 @@ class WorldDvi final : public World {
   std::vector<ImpactData> impact_;
   std::vector<Impulse> impulse_;
   std::vector<Vec3> velocity_after_, angular_after_;
-  std::vector<double> gap_after_;
+  std::vector<Vec3> resting_;  // zeros
+  ConeProblem overlap_;
+  std::vector<double> gap_;
   std::vector<Displacement> displacement_;
 };
 
