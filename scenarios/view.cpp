@@ -51,7 +51,7 @@ void add_options(CLI::App& app, ViewOptions& o) {
       ->check(CLI::IsMember({"png", "html", "mp4"}));
   app.add_option("--width", o.width, "of the picture [pixels] (default 1600, film 960)")->check(CLI::Range(16, 16384));
   app.add_option("--height", o.height, "of the picture [pixels] (default: width / 1.6; film: to suit)")->check(CLI::Range(16, 16384));
-  app.add_option("--samples", o.samples, "rays per pixel (default 4, film 3)")->check(CLI::Range(1, 1024));
+  app.add_option("--samples", o.samples, "rays per pixel (default 6, film 3)")->check(CLI::Range(1, 1024));
   app.add_option("--frames", o.frames,
                  "at most so many frames in a film (default 150); a page of more than 40 MB is thinned further")
       ->check(CLI::Range(2, 100000));
@@ -91,7 +91,7 @@ void check_names(const Model& model, const ViewOptions& view) {
   for (const std::string& name : view.hide)
     if (std::find(model.names.begin(), model.names.end(), name) == model.names.end())
       throw Error("--hide", "the run has no body or tool '" + name + "'",
-                  model.names.empty() ? "Leave it out." : fmt::format("Its names: {}.", fmt::join(model.names, ", ")));
+                  model.names.empty() ? "leave it out" : fmt::format("its names: {}", fmt::join(model.names, ", ")));
 }
 
 const Snapshot& chosen_frame(const std::vector<Snapshot>& frames, const ViewOptions& view, std::size_t& number) {
@@ -108,17 +108,17 @@ const Snapshot& chosen_frame(const std::vector<Snapshot>& frames, const ViewOpti
   }
   number = static_cast<std::size_t>(view.frame);
   if (number >= frames.size())
-    throw Error("--frame", fmt::format("there is no frame {}", number), fmt::format("The last is {}.", frames.size() - 1));
+    throw Error("--frame", fmt::format("there is no frame {}", number), fmt::format("the last is {}", frames.size() - 1));
   return frames[number];
 }
 
 int still(ViewOptions view, const Options& options) {
   if (view.width == 0) view.width = view.height > 0 ? static_cast<int>(std::lround(1.6 * view.height)) : 1600;
   if (view.height == 0) view.height = static_cast<int>(std::lround(view.width / 1.6));
-  if (view.samples == 0) view.samples = 4;
+  if (view.samples == 0) view.samples = RenderOptions{}.samples;
   const bool last = view.frame < 0 && view.time < 0;
   const Recording run = read_recording(options.file, last ? std::numeric_limits<int>::max() : 1);
-  if (run.frames.empty()) throw Error(options.file.string(), "the run has recorded no frame", "Run it longer.");
+  if (run.frames.empty()) throw Error(options.file.string(), "the run has recorded no frame", "run it longer");
   check_names(run.model, view);
   std::size_t number = 0;
   const Snapshot& state = chosen_frame(run.frames, view, number);
@@ -146,11 +146,11 @@ int film(ViewOptions view, const Options& options) {
   const bool page = view.format.empty() || view.format == "html", stills = view.format == "png";
   const bool video = view.format == "mp4" || (view.format.empty() && VideoWriter::available());
   if (view.format == "mp4" && !VideoWriter::available())
-    throw Error("--format", "mp4 needs the program ffmpeg, which is not on the PATH", "Install ffmpeg, or choose html.");
+    throw Error("--format", "mp4 needs the program ffmpeg, which is not on the PATH", "install ffmpeg, or choose html");
   const std::size_t most = static_cast<std::size_t>(view.frames), all = recorded_frames(options.file);
   const std::size_t every = std::max<std::size_t>(1, all > most ? (all - 1 + most - 2) / (most - 1) : 1);
   const Recording run = read_recording(options.file, static_cast<int>(every));
-  if (run.frames.empty()) throw Error(options.file.string(), "the run has recorded no frame", "Run it longer.");
+  if (run.frames.empty()) throw Error(options.file.string(), "the run has recorded no frame", "run it longer");
   check_names(run.model, view);
 
   const std::vector<Snapshot> shown{run.frames.front(), run.frames[run.frames.size() / 2], run.frames.back()};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "core/error.hpp"
@@ -15,7 +16,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double half_opening = 11 * pi / 180;
 constexpr double iso_elevation = 27 * pi / 180, iso_azimuth = 30 * pi / 180;
 /// A tool is framed as far as it lies within this many extents of the bodies that move.
-constexpr double tool_reach = 0.5;
+constexpr double tool_reach = 0.8;
 
 struct Ball {
   Vec3 centre;
@@ -84,39 +85,50 @@ Bounds middle_box(const std::vector<Ball>& balls) {
   return box;
 }
 
-std::vector<Vec3> tool_points(const Model& model, const Snapshot& snapshot, const std::vector<std::string>& hide) {
-  std::vector<Vec3> points;
+using Outline = std::vector<Vec3>;
+
+/// One outline for each bounded body that does not move.
+std::vector<Outline> tool_outlines(const Model& model, const Snapshot& snapshot, const std::vector<std::string>& hide) {
+  std::vector<Outline> outlines;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
     if (body.dynamic || !drawn(model, i, snapshot.time, hide)) continue;
     const Pose pose{snapshot.position[i], snapshot.orientation[i]};
+    Outline points;
     for (const Part& part : model.shapes[static_cast<std::size_t>(body.shape)].parts) {
       const Part placed = body.scale == 1 ? part : scaled(part, body.scale);
       outline(placed.primitive, pose.compose(placed.pose), points);
     }
+    if (!points.empty()) outlines.push_back(std::move(points));
   }
-  return points;
+  return outlines;
+}
+
+double lowest(const Outline& points) {
+  double z = infinity;
+  for (const Vec3& p : points) z = std::min(z, p.z());
+  return z;
 }
 
 /// What the picture has to hold.
 std::vector<Ball> framed_balls(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options) {
   std::vector<Ball> balls;
-  std::vector<Vec3> tools;
+  std::vector<Outline> tools;
   for (const Snapshot& snapshot : snapshots) {
-    const std::vector<Vec3> points = tool_points(model, snapshot, options.hide);
+    std::vector<Outline> outlines = tool_outlines(model, snapshot, options.hide);
     double floor = infinity;
-    for (const Vec3& p : points) floor = std::min(floor, p.z());
+    for (const Outline& points : outlines) floor = std::min(floor, lowest(points));
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       const Body& body = model.bodies[i];
       if (!body.dynamic || !drawn(model, i, snapshot.time, options.hide)) continue;
-      const double radius = model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale;
-      if (!points.empty() && snapshot.position[i].z() < floor) continue;
-      balls.push_back({snapshot.position[i], radius});
+      if (!outlines.empty() && snapshot.position[i].z() < floor) continue;
+      balls.push_back({snapshot.position[i], model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale});
     }
-    tools.insert(tools.end(), points.begin(), points.end());
+    std::move(outlines.begin(), outlines.end(), std::back_inserter(tools));
   }
   if (balls.empty()) {
-    for (const Vec3& p : tools) balls.push_back({p, 0});
+    for (const Outline& points : tools)
+      for (const Vec3& p : points) balls.push_back({p, 0});
     return balls;
   }
   Bounds box = middle_box(balls);
@@ -125,11 +137,14 @@ std::vector<Ball> framed_balls(const Model& model, std::span<const Snapshot> sna
   box.lower -= Vec3::Constant(largest);
   box.upper += Vec3::Constant(largest);
   std::erase_if(balls, [&](const Ball& b) { return !box.holds(b.centre); });
-  const double reach = tool_reach * (box.upper - box.lower).maxCoeff();
+  const double top = box.upper.z(), reach = tool_reach * (box.upper - box.lower).maxCoeff();
   box.lower -= Vec3::Constant(reach);
-  box.upper += Vec3(reach, reach, 0);
-  for (const Vec3& p : tools)
-    if (box.holds(p)) balls.push_back({p, 0});
+  box.upper += Vec3::Constant(reach);
+  for (const Outline& points : tools) {
+    if (lowest(points) > top) continue;  // it hangs above everything, as a funnel does
+    for (const Vec3& p : points)
+      if (box.holds(p)) balls.push_back({p, 0});
+  }
   return balls;
 }
 
@@ -184,7 +199,7 @@ View view_named(std::string_view name) {
   if (name == "iso") return View::iso;
   if (name == "side") return View::side;
   if (name == "top") return View::top;
-  throw Error("--view", "there is no view '" + std::string(name) + "'", "Choose iso, side or top.");
+  throw Error("--view", "there is no view '" + std::string(name) + "'", "choose iso, side or top");
 }
 
 CameraAxes camera_axes(const Camera& camera) {
@@ -194,7 +209,7 @@ CameraAxes camera_axes(const Camera& camera) {
   if (!finite || !(right.norm() > 1e-9 * sight.norm() * camera.up.norm()) || !(camera.view_height > 0) ||
       !std::isfinite(camera.view_height))
     throw Error("camera", "its line of sight, its up vector or its view height is degenerate",
-                "Eye and target must differ, up must not be parallel to the line of sight, view_height must be positive.");
+                "eye and target must differ, up must not be parallel to the line of sight, view_height must be positive");
   CameraAxes axes;
   axes.forward = sight.normalized();
   axes.right = right.normalized();
@@ -206,14 +221,14 @@ namespace {
 
 std::vector<Ball> checked_balls(const Model& model, std::span<const Snapshot> snapshots, const FrameOptions& options) {
   if (!(options.aspect > 0) || !(options.margin >= 0 && options.margin < 0.45))
-    throw Error("camera", "the aspect ratio must be positive and the margin in [0, 0.45)", "Check width and height.");
+    throw Error("camera", "the aspect ratio must be positive and the margin in [0, 0.45)", "check width and height");
   for (const Snapshot& s : snapshots)
     if (s.size() != model.bodies.size())
-      throw Error("camera", "the snapshot and the model have different numbers of bodies", "Use a frame of the same run.");
+      throw Error("camera", "the snapshot and the model have different numbers of bodies", "use a frame of the same run");
   std::vector<Ball> balls = framed_balls(model, snapshots, options);
   if (balls.empty())
     throw Error("camera", "there is nothing to show: no body that moves, no bounded tool",
-                "Hide fewer bodies, or place the camera by hand.");
+                "hide fewer bodies, or place the camera by hand");
   return balls;
 }
 

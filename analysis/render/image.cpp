@@ -21,15 +21,15 @@ void check(const Image& image) {
     throw Error("picture",
                 "its array holds " + std::to_string(image.rgb.size()) + " bytes, but it says " +
                     std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels",
-                "Give width * height * 3 bytes and a positive size.");
+                "give width * height * 3 bytes and a positive size");
 }
 
 void append(png_structp png, png_bytep data, png_size_t size) {
   static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
 }
 
-/// libpng and libjpeg leave an error by a call that must not return: carry it out as a C++ exception is not allowed through
-/// their C frames, so both jump back.
+/// libpng and libjpeg report errors by a call that must not return. An exception may not pass through their C frames, so
+/// both jump back.
 struct JpegErrors {
   jpeg_error_mgr base;
   std::jmp_buf back;
@@ -90,7 +90,7 @@ bool compress_jpeg(const Image& image, int quality, unsigned char*& buffer, unsi
 std::string encode_png(const Image& image) {
   check(image);
   std::string bytes;
-  if (!compress_png(image, bytes)) throw Error("picture", "libpng could not encode it", "Try a smaller picture.");
+  if (!compress_png(image, bytes)) throw Error("picture", "libpng could not encode it", "try a smaller picture");
   return bytes;
 }
 
@@ -101,7 +101,7 @@ std::string encode_jpeg(const Image& image, int quality) {
   const bool done = compress_jpeg(image, quality, buffer, size);
   std::string bytes = done ? std::string(reinterpret_cast<const char*>(buffer), size) : std::string();
   std::free(buffer);
-  if (!done) throw Error("picture", "libjpeg could not encode it", "JPEG holds at most 65500 x 65500 pixels.");
+  if (!done) throw Error("picture", "libjpeg could not encode it", "jPEG holds at most 65500 x 65500 pixels");
   return bytes;
 }
 

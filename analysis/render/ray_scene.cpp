@@ -181,7 +181,7 @@ void RayScene::Impl::add_mesh(const TriMesh& mesh, const Pose& pose, int owner) 
 RayScene::RayScene(std::vector<Solid> solids) : impl_(std::make_unique<Impl>()) {
   // One builder thread: the hierarchy, and with it the answer to ties, is the same on every machine and in every run.
   impl_->device = rtcNewDevice("threads=1");
-  if (!impl_->device) throw Error("picture", "Embree could not be started", "Check that libembree3 fits this processor.");
+  if (!impl_->device) throw Error("picture", "Embree could not be started", "check that libembree3 fits this processor");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
   impl_->mesh_owner.push_back(-1);
@@ -203,7 +203,7 @@ RayScene::RayScene(std::vector<Solid> solids) : impl_(std::make_unique<Impl>()) 
   if (!impl_->bounded.empty()) impl_->add_bounded();
   rtcCommitScene(impl_->scene);
   if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
-    throw Error("picture", "Embree could not build its hierarchy", "Is there enough memory? Draw fewer bodies with --only.");
+    throw Error("picture", "Embree could not build its hierarchy", "draw fewer bodies, or free some memory");
 }
 
 RayScene::~RayScene() = default;

@@ -20,15 +20,15 @@ void check(const Model& model, const Snapshot& snapshot, const RenderOptions& op
   const auto in_range = [](int pixels) { return pixels >= 16 && pixels <= 16384; };
   if (!in_range(options.width) || !in_range(options.height))
     fail("its size is " + std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels",
-         "Choose width and height from 16 to 16384.");
+         "choose width and height from 16 to 16384");
   if (options.samples < 1 || options.samples > 1024 || options.sky_rays < 0 || options.sky_rays > 1024)
-    fail("samples must be 1 to 1024, sky rays 0 to 1024", "4 and 4 are good for most pictures.");
+    fail("samples must be 1 to 1024, sky rays 0 to 1024", "4 and 4 are good for most pictures");
   if (snapshot.size() != model.bodies.size() || snapshot.orientation.size() != model.bodies.size())
     fail("the snapshot holds " + std::to_string(snapshot.size()) + " bodies, the model " + std::to_string(model.bodies.size()),
-         "Use a frame of the same run.");
+         "use a frame of the same run");
   for (std::size_t i = 0; i < snapshot.size(); ++i)
     if (!snapshot.position[i].allFinite() || !snapshot.orientation[i].coeffs().allFinite())
-      fail("the pose of body " + std::to_string(i) + " is not finite", "The run diverged before this frame: choose an earlier one.");
+      fail("the pose of body " + std::to_string(i) + " is not finite", "the run diverged before this frame: choose an earlier one");
   if (options.only.empty()) return;
   std::string kinds;
   for (const Body& body : model.bodies) {
@@ -37,7 +37,7 @@ void check(const Model& model, const Snapshot& snapshot, const RenderOptions& op
     if (kind == options.only) return;
     if (kinds.find(kind) == std::string::npos) kinds += (kinds.empty() ? "" : ", ") + kind;
   }
-  fail("nothing that moves has the shape '" + options.only + "'", "Choose one of: " + kinds + ".");
+  fail("nothing that moves has the shape '" + options.only + "'", "choose one of: " + kinds);
 }
 
 /// Kinds in the order of the seven grain shapes, then the rest by name.

@@ -11,8 +11,8 @@ namespace repose {
 
 struct RenderOptions {
   int width = 1600, height = 1000;  ///< [pixels], 16 to 16384
-  int samples = 4;                  ///< camera rays per pixel, >= 1
-  int sky_rays = 4;                 ///< for the sky light, per camera ray, >= 0; 0: the sky casts no shade
+  int samples = 6;                  ///< camera rays per pixel, >= 1
+  int sky_rays = 3;                 ///< for the sky light, per camera ray, >= 0; 0: the sky casts no shade
   int threads = 0;                  ///< 0: all; never changes a byte
   std::vector<std::string> hide;    ///< names of bodies and tools that are not drawn
   std::string only;                 ///< if not empty: of the bodies that move, only those of this shape kind

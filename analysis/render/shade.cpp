@@ -11,7 +11,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 /// Half of the sun's opening angle, as a tangent: wide enough for soft shadows.
-constexpr double sun_tangent = 0.045;
+constexpr double sun_tangent = 0.03;
 constexpr double far = 1e9;
 
 struct Direction {

@@ -9,7 +9,7 @@ namespace repose {
 namespace {
 
 /// A tool is glass if it stands before more than this share of what moves.
-constexpr double hidden_share = 0.4;
+constexpr double hidden_share = 0.15;
 constexpr std::size_t probes = 500;
 
 const Shape& shape_of(const Model& model, std::size_t body) {
@@ -46,7 +46,7 @@ double typical_size(const Model& model, const std::vector<std::size_t>& moving, 
   return *middle > 0 ? *middle : 1;
 }
 
-/// The lowest point of the solids, by single rays from below would be inexact: by their parts' outlines instead.
+/// A height that no solid lies below: exact for what tools are made of, a bounding ball for the rest.
 double lowest(const std::vector<Solid>& solids) {
   double z = std::numeric_limits<double>::infinity();
   for (const Solid& solid : solids) {

@@ -61,7 +61,7 @@ Typesetter::Typesetter() : impl_(std::make_unique<Impl>()) {
   if (FT_Init_FreeType(&impl_->library) != 0 ||
       FT_New_Memory_Face(impl_->library, reinterpret_cast<const FT_Byte*>(font.data()), static_cast<FT_Long>(font.size()),
                          0, &impl_->face) != 0)
-    throw Error("picture", "FreeType could not read the embedded font", "Build again with the package fonts-dejavu-core.");
+    throw Error("picture", "FreeType could not read the embedded font", "build again with the package fonts-dejavu-core");
 }
 
 Typesetter::~Typesetter() = default;

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t most_table_rows = 60;
 
 void fail(const std::string& place, const std::string& problem) {
-  throw Error("report, " + place, problem, "Mend the document before it is written.");
+  throw Error("report, " + place, problem, "mend the document before it is written");
 }
 
 void check(const Chart& chart) {

@@ -59,7 +59,7 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, doub
   // A socket, not a pipe: writing to one whose reader has died can be told not to raise SIGPIPE.
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    throw Error("ffmpeg", std::system_category().message(errno), "Free some file descriptors.", Error::Kind::simulation);
+    throw Error("ffmpeg", std::system_category().message(errno), "free some file descriptors", Error::Kind::simulation);
   impl_->socket = ends[0];
   const std::string size = fmt::format("{}x{}", width, height), rate = fmt::format("{}", frames_per_second);
   // H.264 with 4:2:0 colour, which every player knows, needs even sides.
@@ -80,7 +80,7 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, doub
   if (failed) {
     impl_->child = -1;
     impl_->wait();
-    throw Error("ffmpeg", std::system_category().message(failed), "Install ffmpeg, or choose --format html.");
+    throw Error("ffmpeg", std::system_category().message(failed), "install ffmpeg, or choose --format html");
   }
 }
 
@@ -93,14 +93,14 @@ VideoWriter::~VideoWriter() {
 
 void VideoWriter::add(const Image& image) {
   if (image.width != impl_->width || image.height != impl_->height)
-    throw Error("film", "a picture differs in size from the first", "Render all frames at one size.");
+    throw Error("film", "a picture differs in size from the first", "render all frames at one size");
   const std::uint8_t* data = image.rgb.data();
   std::size_t left = image.rgb.size();
   while (left > 0) {
     const ssize_t sent = send(impl_->socket, data, left, MSG_NOSIGNAL);
     if (sent < 0 && errno == EINTR) continue;
     if (sent <= 0)
-      throw Error(impl_->file.string(), "ffmpeg stopped reading", "See its message above, or choose --format html.",
+      throw Error(impl_->file.string(), "ffmpeg stopped reading", "see its message above, or choose --format html",
                   Error::Kind::simulation);
     data += sent;
     left -= static_cast<std::size_t>(sent);
@@ -114,7 +114,7 @@ void VideoWriter::finish() {
   if (status != 0 || problem) {
     std::error_code ignored;
     std::filesystem::remove(impl_->part, ignored);
-    throw Error(impl_->file.string(), "ffmpeg could not write the film", "See its message above, or choose --format html.",
+    throw Error(impl_->file.string(), "ffmpeg could not write the film", "see its message above, or choose --format html",
                 Error::Kind::simulation);
   }
 }
