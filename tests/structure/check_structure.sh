@@ -48,9 +48,11 @@ include() { printf '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](%s)' "$1";
   forbid 'collision and cone solver do not know each other' "$(include "$dvi/(narrow|broad|collide)")" $solver
   forbid 'the cone solver knows no shape, motion or material' "$(include 'core/(shape|motion|material|mass_properties)')" $solver
 
-  headers=$(for folder in core backends analysis scenarios; do sources $folder '*.hpp'; done)
+  libraries=$(for folder in core backends analysis; do sources $folder '*.hpp'; done)
+  headers="$libraries $(sources scenarios '*.hpp')"
   forbid 'this package is included by .cpp files only' \
-    "$(include 'embree|hdf5|H5|yaml-cpp|nlohmann/json\.|png\.h|CLI/|benchmark|openvdb|bullet|dart/')" $headers
+    "$(include 'embree|hdf5|H5|yaml-cpp|png\.h|CLI/|benchmark|openvdb|bullet|dart/')" $headers
+  forbid 'library headers need no JSON package' "$(include 'nlohmann/json\.')" $libraries
 
   all=$(for folder in core backends analysis scenarios tests; do code $folder; done)
   forbid 'nothing is left to be done later' '\b(TODO|FIXME|XXX|HACK)\b' $all
