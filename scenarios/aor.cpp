@@ -56,6 +56,9 @@ void tell(const HeapMeasurement& heap, const Options& options) {
   } else {
     fmt::print("NOT at rest      {}: make `duration` longer\n", heap.rest.reason);
   }
+  if (heap.rest.in_funnel > 0)
+    fmt::print("warning          {} grains stay in the funnel: its outlet is clogged, or closed; a wider one lets them out\n",
+               heap.rest.in_funnel);
   for (const auto& [what, file] : {std::pair{"picture", "heap.png"}, {"report", "report.html"}, {"result", "result.json"}})
     fmt::print("{:<17}{}\n", what, (options.out / file).string());
 }
@@ -72,6 +75,8 @@ int pour(const Options& options) {
   const int status = report_status(report, options);
   if (report.end == RunReport::End::interrupted) return status;
 
+  // Before the frames are read back: the peak memory in it is that of the simulation.
+  nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("aor", prepared, options, report));
   const Recording recording = read_recording(options.out / "run.h5");
   const HeapMeasurement heap = measure(prepared, recording, report.final_state);
   const std::string picture = draw(prepared, options, heap, report.final_state);
@@ -79,7 +84,6 @@ int pour(const Options& options) {
   const auto measured = load_reference(reference_file("pa650/table1.yaml")).single("angle_of_repose");
   write_atomically(options.out / "report.html",
                    report::to_html(heap_report({prepared, options, report, recording.steps, heap, picture, measured})));
-  nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("aor", prepared, options, report));
   result.update(nlohmann::ordered_json(heap_json(heap)));
   write_result(options.out / "result.json", result.dump(2));
   tell(heap, options);

@@ -187,6 +187,8 @@ report::Report heap_report(const HeapReportInput& in) {
   Warnings warnings;
   if (!in.heap.repose.angle) warnings.items.push_back("no angle: " + in.heap.repose.message);
   if (!in.heap.rest.at_rest) warnings.items.push_back("the heap is not at rest: " + in.heap.rest.reason);
+  if (in.heap.rest.in_funnel > 0)
+    warnings.items.push_back(fmt::format("{} grains stay in the funnel: its outlet is clogged, or closed", in.heap.rest.in_funnel));
   for (const Finding& f : in.prepared.findings) warnings.items.push_back(f.place + ": " + f.message);
   for (const std::string& name : in.prepared.unsupported) warnings.items.push_back("left out, the backend cannot do it: " + name);
   page.sections.push_back({"", {warnings, Picture{in.picture_png, "Heap at the end of the run, coloured by shape.", ""}}});
