@@ -17,6 +17,8 @@ namespace {
 
 constexpr double penetration_slop = 1e-3;  // of R*: deeper overlap is removed, shallower is left alone
 constexpr int separation_rounds = 4;
+constexpr double touching = 1e-6;            // of R*
+constexpr std::size_t worth_a_thread = 500;  // bodies: below, waking threads costs more than it saves
 
 Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * diagonal.asDiagonal() * rotation.transpose(); }
 
@@ -39,6 +41,7 @@ class WorldDvi final : public World {
       inertia_.push_back(body.inertia / (units_.mass * units_.length * units_.length));
       isotropic_.push_back(body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z());
     }
+    if (n < worth_a_thread) options_.threads = 1;
     load_state(model.initial);
   }
 
@@ -249,7 +252,8 @@ class WorldDvi final : public World {
       c.arm = arm_of(found[i]);
       c.rolling = arms.rolling / units_.length / c.arm;
       c.spinning = arms.spinning / units_.length / c.arm;
-      const bool holds = law.cohesion > 0 && point.gap * units_.length <= law.cohesion_range;
+      // Bodies that touch stand apart by rounding: a range of zero still holds them.
+      const bool holds = law.cohesion > 0 && point.gap <= std::max(law.cohesion_range / units_.length, touching * c.arm);
       c.cohesion = holds ? h * (law.cohesion / units_.force()) : 0.0;
       impact_[i].gap = point.gap;
       impact_[i].restitution = law.restitution;
