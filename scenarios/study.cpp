@@ -108,8 +108,9 @@ void tell(const json& study, const Options& options) {
       continue;
     }
     const json& a = point["observables"]["angle_of_repose"];
-    fmt::print("{:<28} {:<34} {:8.2f} {:7.2f} {:10.2f} {:8.2f} {:4}\n", series, label, a["mean"].get<double>(), a["se"].get<double>(),
-               a["sd_azimuth"].get<double>(), a["sd_seed"].get<double>(), a["n"].get<int>());
+    const auto number = [&](const char* key) { return a[key].is_number() ? fmt::format("{:.2f}", a[key].get<double>()) : std::string("-"); };
+    fmt::print("{:<28} {:<34} {:>8} {:>7} {:>10} {:>8} {:>4}\n", series, label, number("mean"), number("se"), number("sd_azimuth"),
+               number("sd_seed"), a["n"].get<int>());
   }
   for (const json& series : study["series"]) {
     if (!series.contains("slope")) continue;

@@ -17,6 +17,9 @@ const json* observable(const json& point, const char* name) {
   return all.contains(name) ? &all[name] : nullptr;
 }
 
+// NaN for null: a chart then draws no bar.
+double number_in(const json& value) { return value.is_number() ? value.get<double>() : std::nan(""); }
+
 std::string last_name(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   return dot == std::string::npos ? key : key.substr(dot + 1);
@@ -26,7 +29,7 @@ std::string last_name(const std::string& key) {
 std::string told(const json& point, const char* name) {
   const json* o = observable(point, name);
   if (o == nullptr) return "";
-  const double se = (*o)["se"].get<double>();
+  const double se = number_in((*o)["se"]);
   return se > 0 ? rounded((*o)["mean"].get<double>(), se) : rounded((*o)["mean"].get<double>());
 }
 
@@ -47,7 +50,7 @@ Chart angle_chart(const StudyPlan& plan, const json& study, const std::string& k
       if (plan.points[p].series != s || !plan.points[p].x || angle == nullptr) continue;
       series.x.push_back(*plan.points[p].x);
       series.y.push_back((*angle)["mean"].get<double>());
-      series.error.push_back((*angle)["se"].get<double>());
+      series.error.push_back(number_in((*angle)["se"]));
     }
     if (!series.x.empty()) chart.series.push_back(std::move(series));
     const auto reference = references.find(plan.series[s].reference);
@@ -69,7 +72,9 @@ Table point_table(const json& study) {
   table.header = {"series", "point", "angle [°]", "sd azimuth [°]", "sd seed [°]", "n", "solid fraction", "grains on base", "at rest"};
   for (const json& point : study["points"]) {
     const json* angle = observable(point, "angle_of_repose");
-    const auto number = [&](const char* key) { return angle ? fmt::format("{:.2f}", (*angle)[key].get<double>()) : std::string(); };
+    const auto number = [&](const char* key) {
+      return angle && (*angle)[key].is_number() ? fmt::format("{:.2f}", (*angle)[key].get<double>()) : std::string();
+    };
     const std::size_t runs = point["runs"].get<std::size_t>(), moving = point["not_at_rest"].get<std::size_t>();
     table.rows.push_back({point["series"].get<std::string>(), point["label"].get<std::string>(), told(point, "angle_of_repose"),
                           number("sd_azimuth"), number("sd_seed"), angle ? std::to_string((*angle)["n"].get<int>()) : "0",

@@ -12,7 +12,10 @@ using nlohmann::json;
 constexpr const char* angle_name = "angle_of_repose";
 constexpr const char* azimuth_name = "sd_azimuth";
 
-json summary_json(const Summary& s) { return {{"mean", s.mean}, {"sd_seed", s.sd}, {"se", s.se}, {"n", s.n}}; }
+// One run has no scatter: null, not 0.
+json summary_json(const Summary& s) {
+  return {{"mean", s.mean}, {"sd_seed", s.n > 1 ? json(s.sd) : json(nullptr)}, {"se", s.n > 1 ? json(s.se) : json(nullptr)}, {"n", s.n}};
+}
 
 // Values of each observable over the seeds of one point; missing ones left out.
 std::map<std::string, std::vector<double>> gather(const std::vector<const JobResult*>& results) {

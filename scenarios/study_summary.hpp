@@ -13,7 +13,7 @@
 namespace repose {
 
 /// `points` [{set, series, label, scene, x, runs, failed, not_at_rest, observables {name: {mean, sd_seed, se, n}}}]: the angle also has
-/// `sd_azimuth`, the mean over seeds of the scatter over azimuths and flanks within a heap; `se` = sd_seed / sqrt(n).
+/// `sd_azimuth`, the mean over seeds of the scatter over azimuths and flanks within a heap; `se` = sd_seed / sqrt(n), both null if n = 1.
 /// `series` [{name, label, slope {value, se, interval95, n}, reference {...}}]: the slope is that of the angle against the
 /// first varied key, least squares over all single runs; its error comes from their scatter.
 ///   reference: the published curve, its slope and error (from the scatter of its values), `slope_difference` in standard
