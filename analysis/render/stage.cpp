@@ -9,7 +9,7 @@ namespace repose {
 namespace {
 
 /// A tool is glass if it stands before more than this share of what moves.
-constexpr double hidden_share = 0.15;
+constexpr double hidden_share = 0.25;
 constexpr std::size_t probes = 500;
 
 const Shape& shape_of(const Model& model, std::size_t body) {
