@@ -127,8 +127,8 @@ double sector_error(const std::vector<Flank>& flanks) {
 std::string why_not(const HeapGrains& grains, const RadialProfile& profile, const ReposeOptions& options) {
   if (grains.heap.size() < 100)
     return "only " + std::to_string(grains.heap.size()) + " grains lie on the base: at least 100 make a heap";
-  if (profile.foot * (options.to - options.from) < 5 * grains.diameter)
-    return "the flanks are shorter than five grain diameters: pour more grains";
+  if (profile.foot * (options.to - options.from) < 4 * grains.diameter)
+    return "the flanks are shorter than four grain diameters: pour more grains";
   if (profile.height.front() < 2 * grains.diameter) return "the heap is flat: it is lower than two grain diameters";
   return {};
 }

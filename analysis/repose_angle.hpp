@@ -60,7 +60,7 @@ struct ReposeMeasurement {
   RadialProfile profile;
 };
 
-/// Throws Error for options out of range. A heap of fewer than 100 grains, with a flank shorter than five diameters or
+/// Throws Error for options out of range. A heap of fewer than 100 grains, with a fitted stretch shorter than four diameters or
 /// lower than two diameters has no angle.
 ReposeMeasurement measure_repose_angle(const Model& model, const Snapshot& state, const HeapSite& site,
                                        const ReposeOptions& options = {});
