@@ -50,8 +50,12 @@ void collide_sphere_box(const PlacedSphere& a, const PlacedBox& b, const Contact
 }
 
 bool collide_round_cone_box(const PlacedRoundCone& a, const PlacedBox& b, const ContactSink& sink) {
-  const PlacedRoundCone own{b.rotation.transpose() * (a.start - b.centre), b.rotation.transpose() * a.axis, a.length,
-                            a.radius_start, a.radius_end, a.slope};
+  const PlacedRoundCone own{b.rotation.transpose() * (a.start - b.centre),
+                            b.rotation.transpose() * a.axis,
+                            a.length,
+                            a.radius_start,
+                            a.radius_end,
+                            a.slope};
   const auto distance = [&](const Vec3& p) { return distance_to_box(b.half_extents, p); };
   const Vec3 middle = own.centre(0.5 * own.length);
   if (distance(middle).distance > 0.5 * own.length + std::max(a.radius_start, a.radius_end) + sink.margin) return true;

@@ -173,7 +173,7 @@ void add_contacts(const ConvexBody& a, const ConvexBody& b, const ConvexGap& fou
   const double size = a.extent + b.extent;
   for (std::size_t k = 0; k < manifold.count; ++k) {
     const ContactPoint& p = manifold.points[k];
-    covered = covered || p.gap <= found.gap + 1e-6 * size;
+    covered = covered || p.gap <= found.gap + 1e-8 * size;
     sink.add(p.point, p.normal, p.gap, feature_offset + p.feature);
   }
   if (!covered) sink.add(0.5 * (found.on_a + found.on_b), n, found.gap, feature_offset);

@@ -7,8 +7,8 @@ namespace repose::dvi {
 /// Signed gap, its direction and the witness points on the two surfaces.
 ///
 /// GJK (Gilbert, Johnson & Keerthi 1988) on the cores while they are apart; else the polytope inside the Minkowski
-/// difference is expanded towards the origin's nearest boundary point (van den Bergen 2001): the global minimum of the depth.
-/// Exact for polytopes; on curved bodies to about 1e-9 of their size in the gap.
+/// difference is expanded towards the origin's nearest boundary point (van den Bergen 2001): the global minimum of the
+/// depth. Exact for polytopes; on curved bodies to about 1e-9 of their size in the gap.
 struct ConvexGap {
   Vec3 normal = Vec3::UnitZ();  ///< from a to b
   double gap = 0;
@@ -17,8 +17,9 @@ struct ConvexGap {
 };
 ConvexGap convex_gap(const ConvexBody& a, const ConvexBody& b, double margin);
 
-/// Adds the contact `found`, or up to four points where faces or edges lie along each other (box on box: four, cylinder on
-/// its side: two). Each point's gap is measured along the common normal. Features from `feature_offset` on, below 2^18.
+/// Adds the contact `found`, or up to four points where faces or edges lie along each other (box on box: four, cylinder
+/// on its side: two). Each point's gap is measured along the common normal. Features from `feature_offset` on, below
+/// 2^18.
 void add_contacts(const ConvexBody& a, const ConvexBody& b, const ConvexGap& found, const ContactSink& sink,
                   std::uint32_t feature_offset);
 

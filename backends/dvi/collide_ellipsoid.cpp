@@ -160,7 +160,7 @@ EllipsoidGap ellipsoid_gap(const PlacedEllipsoid& first, const PlacedEllipsoid& 
   }
   EllipsoidGap best = ascend(n, d, a, b, margin);
   const double smallest = std::min(first.semi_axes.minCoeff(), second.semi_axes.minCoeff());
-  if (best.beyond || best.gap > -0.05 * smallest) return best;
+  if (best.beyond || best.gap > -0.2 * smallest) return best;
   for (const Mat3* axes : {&first.rotation, &second.rotation})
     for (int k = 0; k < 3; ++k) {
       const Vec3 start = axes->col(k);

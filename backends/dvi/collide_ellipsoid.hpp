@@ -9,8 +9,8 @@ namespace repose::dvi {
 ///   y = x + t w,  w_i = y_i / (t + e_i^2),  x_i = e_i^2 w_i,  sum e_i^2 w_i^2 = 1,  t > -min e_i^2
 ///   signed distance = t |w|,  normal = w / |w|
 ///
-/// The root t is found by Newton's method on 1/sqrt(S(t)) - 1, S = sum (e_i y_i / (t + e_i^2))^2 (More & Sorensen 1983),
-/// from below: monotone. Points inside are served too (t < 0), the centre included (the shortest axis wins).
+/// The root t is found by Newton's method on 1/sqrt(S(t)) - 1, S = sum (e_i y_i / (t + e_i^2))^2 (More & Sorensen
+/// 1983), from below: monotone. Points inside are served too (t < 0), the centre included (the shortest axis wins).
 struct EllipsoidPoint {
   double t = 0;
   Vec3 w = Vec3::Zero();
@@ -33,9 +33,9 @@ inline Mat3 support_matrix(const PlacedEllipsoid& ellipsoid) {
   return m * m.transpose();
 }
 
-/// The direction n that maximises  F(n) = n.d - sqrt(n^T A n) - sqrt(n^T B n)  over unit vectors, d: from the first centre
-/// to the second. max F is the signed gap. Newton's method on the sphere with a line search; in deep overlap, where F has
-/// several maxima, from the directions of all axes as well.
+/// The direction n that maximises  F(n) = n.d - sqrt(n^T A n) - sqrt(n^T B n)  over unit vectors, d: from the first
+/// centre to the second. max F is the signed gap. Newton's method on the sphere with a line search; in deep overlap,
+/// where F has several maxima, from the directions of all axes as well.
 struct EllipsoidGap {
   Vec3 normal = Vec3::UnitZ();
   double gap = 0;

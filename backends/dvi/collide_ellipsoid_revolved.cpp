@@ -65,10 +65,16 @@ void for_each_minimum(const F& f, const Vec3& start, bool all, const Use& use) {
 class EllipsoidOnProfile {
  public:
   EllipsoidOnProfile(const PlacedEllipsoid& a, const PlacedProfile& b, const ContactSink& sink)
-      : solid_(b), profile_(b.profile), sink_(sink), margin_(sink.margin / b.scale),
+      : solid_(b),
+        profile_(b.profile),
+        sink_(sink),
+        margin_(sink.margin / b.scale),
         local_{b.to_local(a.centre), b.rotation.transpose() * a.rotation, a.semi_axes / b.scale},
-        q_(support_matrix(local_)), largest_(local_.semi_axes.maxCoeff()),
-        smallest_(local_.semi_axes.minCoeff()), bluntest_(largest_ * largest_ / smallest_), at_(local_.centre) {}
+        q_(support_matrix(local_)),
+        largest_(local_.semi_axes.maxCoeff()),
+        smallest_(local_.semi_axes.minCoeff()),
+        bluntest_(largest_ * largest_ / smallest_),
+        at_(local_.centre) {}
 
   bool run() {
     const ProfileNearest nearest = nearest_on_profile(profile_, at_.point);
@@ -113,8 +119,8 @@ class EllipsoidOnProfile {
     count_ = std::min(count_, 1);
   }
 
-  /// The nearest surface point lies inside the ellipsoid, yet no feature has a stationary point of its own: a deep overlap
-  /// with a rim. The plane through that point, square to the line to the centre, parts the two.
+  /// The nearest surface point lies inside the ellipsoid, yet no feature has a stationary point of its own: a deep
+  /// overlap with a rim. The plane through that point, square to the line to the centre, parts the two.
   void pierced(const ProfileNearest& nearest) {
     const Vec3 n = at_.lift(nearest.normal), foot = local_.centre - nearest.distance * n;
     if (nearest_on_ellipsoid(local_.semi_axes, local_.rotation.transpose() * (foot - local_.centre)).t >= 0) return;
@@ -143,7 +149,8 @@ class EllipsoidOnProfile {
       const Vec3 n(n2.x() * best.e.x(), n2.x() * best.e.y(), n2.y());
       const Vec3 qn = q_ * n;
       const Vec3 support = local_.centre - qn / std::sqrt(n.dot(qn));
-      const double r = n2.x() == 0 ? std::sqrt(support.x() * support.x() + support.y() * support.y()) : best.e.dot(support);
+      const double r =
+          n2.x() == 0 ? std::sqrt(support.x() * support.x() + support.y() * support.y()) : best.e.dot(support);
       const double along = (Vec2(r, support.z()) - gap * n2 - start).dot(dir), length2 = dir.squaredNorm();
       if (!anywhere && (along < -slack * length2 || along > (1 + slack) * length2)) return;
       add({support - 0.5 * gap * n, -n, gap, 4 * ProfileFeature{k, false}.id() + index++});
@@ -188,7 +195,8 @@ class EllipsoidOnProfile {
   void add(const Found& f) {
     for (int k = 0; k < count_; ++k) {
       const Found& other = found_[static_cast<std::size_t>(k)];
-      if ((f.point - other.point).squaredNorm() < 1e-8 * largest_ * largest_ && f.normal.dot(other.normal) > 0.999) return;
+      if ((f.point - other.point).squaredNorm() < 1e-8 * largest_ * largest_ && f.normal.dot(other.normal) > 0.999)
+        return;
     }
     if (count_ < static_cast<int>(found_.size())) found_[static_cast<std::size_t>(count_++)] = f;
   }

@@ -32,8 +32,8 @@ struct CoreDistance {
 /// GJK. `beyond`: farther than `margin`; `touching`: closer than rounding can tell, or overlapping.
 CoreDistance core_distance(const Difference& difference, double margin);
 
-/// Expanding polytope: the boundary point of the difference nearest to the origin, which lies inside (or outside by no more
-/// than rounding).
+/// Expanding polytope: the boundary point of the difference nearest to the origin, which lies inside (or outside by no
+/// more than rounding).
 struct CoreDepth {
   Vec3 normal = Vec3::UnitZ();  ///< outward, of the difference: the direction in which b must move
   double depth = 0;

@@ -33,7 +33,8 @@ void collide_sphere_mesh(const PlacedSphere& a, const PlacedMesh& b, const Conta
     const Vec3 n = distance > 0 ? Vec3(sign * (centre - q.point) / distance) : outward;
     const Vec3 world = b.rotation * n;
     const double gap = b.scale * (sign * distance - radius);
-    sink.add(a.centre - (a.radius + 0.5 * gap) * world, -world, gap, feature_offset + feature_stride * name_of(t, q.region));
+    sink.add(a.centre - (a.radius + 0.5 * gap) * world, -world, gap,
+             feature_offset + feature_stride * name_of(t, q.region));
   };
   if (nearest.inside) {
     add(nearest.triangle, nearest.nearest, nearest.outward, -1);
@@ -91,7 +92,8 @@ void collide_convex_mesh(const ConvexBody& a, const PlacedMesh& b, const Contact
       if (found.beyond || !(found.gap <= sink.margin)) continue;
       pierced = pierced || found.gap < 0;
       if (!(found.normal.dot(up) < 0)) continue;
-      if (found.normal.dot(up) > -1 + 1e-12 && neighbour_rises(b, mesh, t, found.on_b, -found.normal, a.extent)) continue;
+      if (found.normal.dot(up) > -1 + 1e-12 && neighbour_rises(b, mesh, t, found.on_b, -found.normal, a.extent))
+        continue;
     }
     add_contacts(a, triangle, found, sink, static_cast<std::uint32_t>(t) << 18);
   }

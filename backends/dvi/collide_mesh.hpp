@@ -17,9 +17,9 @@ struct PlacedMesh {
 /// Signed distance of a point from the surface, negative inside.
 PointDistance point_distance(const PlacedMesh& b, const Vec3& point);
 
-/// One contact per face, edge or vertex whose distance from the centre is a local minimum (faces that meet in a flat edge
-/// count once). A centre inside gets the nearest feature alone; the side is told by angle-weighted normals (Baerentzen &
-/// Aanaes 2005).
+/// One contact per face, edge or vertex whose distance from the centre is a local minimum (faces that meet in a flat
+/// edge count once). A centre inside gets the nearest feature alone; the side is told by angle-weighted normals
+/// (Baerentzen & Aanaes 2005).
 void collide_sphere_mesh(const PlacedSphere& a, const PlacedMesh& b, const ContactSink& sink,
                          std::uint32_t feature_offset = 0, std::uint32_t feature_stride = 1);
 

@@ -72,9 +72,8 @@ void collide_meshes(const PlacedMesh& a, const PlacedMesh& b, const ContactSink&
   double size = 0;
   for (const PlacedMesh* m : {&a, &b})
     for (const Vec3& v : m->mesh.vertices) size = std::max(size, m->scale * v.norm());
-  for_each_edge(a, [&](const Edge& ea) {
-    for_each_edge(b, [&](const Edge& eb) { collide_edges(a, ea, b, eb, size, sink); });
-  });
+  for_each_edge(
+      a, [&](const Edge& ea) { for_each_edge(b, [&](const Edge& eb) { collide_edges(a, ea, b, eb, size, sink); }); });
   merge_repeated(*sink.out, first, 1e-6 * size);
 }
 

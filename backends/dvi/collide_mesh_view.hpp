@@ -1,6 +1,6 @@
 #pragma once
-/// A triangle mesh in its own frame: nearest points, and what the neighbours of a feature say. No adjacency is stored: every
-/// question walks over the triangles.
+/// A triangle mesh in its own frame: nearest points, and what the neighbours of a feature say. No adjacency is stored:
+/// every question walks over the triangles.
 #include "backends/dvi/collide_mesh.hpp"
 
 namespace repose::dvi {
@@ -48,14 +48,17 @@ class MeshView {
     const Corners c = corners(t);
     return (c[1] - c[0]).cross(c[2] - c[0]).normalized();
   }
-  static bool has(const std::array<int, 3>& t, int vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
+  static bool has(const std::array<int, 3>& t, int vertex) {
+    return t[0] == vertex || t[1] == vertex || t[2] == vertex;
+  }
 
-  /// Outward direction at the feature that `region` of triangle t names: sum of the normals of the triangles that share it,
-  /// at a corner weighted by their angles.
+  /// Outward direction at the feature that `region` of triangle t names: sum of the normals of the triangles that share
+  /// it, at a corner weighted by their angles.
   Vec3 feature_normal(int t, int region) const {
     if (region == 0) return normal(t);
     const auto& own = index(t);
-    const int i = own[static_cast<std::size_t>((region - 1) % 3)], j = region < 4 ? own[static_cast<std::size_t>(region % 3)] : i;
+    const int i = own[static_cast<std::size_t>((region - 1) % 3)],
+              j = region < 4 ? own[static_cast<std::size_t>(region % 3)] : i;
     Vec3 sum = Vec3::Zero();
     for (int k = 0; k < size(); ++k) {
       const auto& other = index(k);
@@ -72,12 +75,13 @@ class MeshView {
     return sum.normalized();
   }
 
-  /// Whether every triangle that shares the feature has its nearest point to p there: then it is a local minimum. True for
-  /// one triangle per feature only, that of the lowest number.
+  /// Whether every triangle that shares the feature has its nearest point to p there: then it is a local minimum. True
+  /// for one triangle per feature only, that of the lowest number.
   bool is_local_minimum(int t, int region, const Vec3& p) const {
     if (region == 0) return true;
     const auto& own = index(t);
-    const int i = own[static_cast<std::size_t>((region - 1) % 3)], j = region < 4 ? own[static_cast<std::size_t>(region % 3)] : i;
+    const int i = own[static_cast<std::size_t>((region - 1) % 3)],
+              j = region < 4 ? own[static_cast<std::size_t>(region % 3)] : i;
     for (int k = 0; k < size(); ++k) {
       const auto& other = index(k);
       if (k == t || !has(other, i) || !has(other, j)) continue;
@@ -117,9 +121,10 @@ inline MeshNearest nearest_on_mesh(const MeshView& mesh, const Vec3& p) {
   return best;
 }
 
-/// Whether a triangle beside the witness point `w` rises above the plane through it with normal `up`: then w is no local
-/// minimum of the distance.
-inline bool neighbour_rises(const PlacedMesh& b, const MeshView& mesh, int triangle, const Vec3& w, const Vec3& up, double size) {
+/// Whether a triangle beside the witness point `w` rises above the plane through it with normal `up`: then w is no
+/// local minimum of the distance.
+inline bool neighbour_rises(const PlacedMesh& b, const MeshView& mesh, int triangle, const Vec3& w, const Vec3& up,
+                            double size) {
   const Vec3 own = b.to_local(w), own_up = b.rotation.transpose() * up;
   const double slack = 1e-7 * size / b.scale;
   for (int t = 0; t < mesh.size(); ++t) {

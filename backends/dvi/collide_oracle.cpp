@@ -97,9 +97,8 @@ double least_over_body(const RoundCone& c, const PlacedPrimitive& p, const F& f)
 }
 template <class F>
 double least_over_body(const Ellipsoid& e, const PlacedPrimitive& p, const F& f) {
-  return minimum_over_directions([&](const Vec3& n) {
-    return f(p.position + p.rotation * (p.scale * e.semi_axes.cwiseProduct(n)), 0);
-  });
+  return minimum_over_directions(
+      [&](const Vec3& n) { return f(p.position + p.rotation * (p.scale * e.semi_axes.cwiseProduct(n)), 0); });
 }
 template <class F>
 double least_over_body(const Box& b, const PlacedPrimitive& p, const F& f) {
@@ -150,7 +149,8 @@ double deepest_circle(const T& body, const PlacedPrimitive& pa, const Revolved& 
   for (const Vec2& v : solid.profile) {
     double best = 0, best_angle = 0;
     const auto depth = [&](double angle, int samples) {
-      const Vec3 p = pb.position + pb.rotation * (pb.scale * Vec3(v.x() * std::cos(angle), v.x() * std::sin(angle), v.y()));
+      const Vec3 p =
+          pb.position + pb.rotation * (pb.scale * Vec3(v.x() * std::cos(angle), v.x() * std::sin(angle), v.y()));
       if (!contains(Primitive(body), pa.rotation.transpose() * (p - pa.position) / pa.scale)) return 0.0;
       return -minimum_over_directions([&](const Vec3& n) { return world_reach(body, pa, n) - n.dot(p); }, samples, 3);
     };

@@ -1,8 +1,8 @@
 #pragma once
 /// Primitives with scale and pose applied, and the sink that collects their contacts. Internal to the narrow phase.
 ///
-/// Convention of all collide_* functions: the first body is "a" of the sink, normals point from the first to the second,
-/// and every contact with gap <= sink.margin is added.
+/// Convention of all collide_* functions: the first body is "a" of the sink, normals point from the first to the
+/// second, and every contact with gap <= sink.margin is added.
 #include <algorithm>
 #include <cmath>
 #include <limits>

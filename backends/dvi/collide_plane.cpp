@@ -23,7 +23,8 @@ std::array<Vec3, 4> rim_points(const Vec3& centre, const Mat3& rotation, double 
   return {centre + u, centre + v, centre - v, centre - u};
 }
 
-void collide_plane(const Sphere& body, const PlacedPrimitive& placed, const PlacedPlane& plane, const ContactSink& sink) {
+void collide_plane(const Sphere& body, const PlacedPrimitive& placed, const PlacedPlane& plane,
+                   const ContactSink& sink) {
   const PlacedSphere s = place(body, placed);
   const double gap = plane.normal.dot(s.centre - plane.point) - s.radius;
   sink.add(s.centre - (s.radius + 0.5 * gap) * plane.normal, -plane.normal, gap, 0);

@@ -131,8 +131,8 @@ struct PlacedProfile {
 
 /// A point of space in cylinder coordinates of the solid.
 struct HalfPlane {
-  Vec2 point;     ///< (r, z)
-  Vec3 radial;    ///< unit; x on the axis
+  Vec2 point;   ///< (r, z)
+  Vec3 radial;  ///< unit; x on the axis
 
   explicit HalfPlane(const Vec3& local) {
     const double r = std::sqrt(local.x() * local.x() + local.y() * local.y());

@@ -20,8 +20,8 @@ void add_ring(const PlacedProfile& b, const Vec3& centre, const HalfPlane& at, d
               const ProfileNearest& nearest, std::uint32_t feature, const ContactSink& sink) {
   if (!(nearest.normal.x() < 0)) return;
   const Vec2 foot = at.point - nearest.distance * nearest.normal;
-  const double opposite2 = (foot.x() + at.point.x()) * (foot.x() + at.point.x()) +
-                           (foot.y() - at.point.y()) * (foot.y() - at.point.y());
+  const double opposite2 =
+      (foot.x() + at.point.x()) * (foot.x() + at.point.x()) + (foot.y() - at.point.y()) * (foot.y() - at.point.y());
   if (opposite2 > reach * reach) return;
   for (int turn = 0; turn < 2; ++turn) {
     constexpr double half_sqrt3 = 0.86602540378443865;
@@ -116,8 +116,8 @@ void collide_side(const PlacedRoundCone& a, ProfileFeature feature, const Placed
 }  // namespace
 
 PlacedRoundCone to_local(const PlacedRoundCone& a, const PlacedProfile& b) {
-  return {b.to_local(a.start),    b.rotation.transpose() * a.axis, a.length / b.scale, a.radius_start / b.scale,
-          a.radius_end / b.scale, a.slope};
+  return {b.to_local(a.start),      b.rotation.transpose() * a.axis, a.length / b.scale,
+          a.radius_start / b.scale, a.radius_end / b.scale,          a.slope};
 }
 
 void collide_sides(const PlacedRoundCone& a, double reach, const PlacedProfile& b, const ContactSink& sink,

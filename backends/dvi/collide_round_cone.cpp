@@ -116,8 +116,9 @@ bool collide_ellipsoid_round_cone(const PlacedEllipsoid& a, const PlacedRoundCon
   const Vec3& n = m.nearest.normal;
   // Weak duality: along n the two are at least `certain` apart; equality proves that no better normal exists.
   const double support = a.semi_axes.cwiseProduct(a.rotation.transpose() * n).norm();
-  const double certain = std::min(n.dot(b.start - a.centre) - b.radius_start,
-                                  n.dot(b.centre(b.length) - a.centre) - b.radius_end) - support;
+  const double certain =
+      std::min(n.dot(b.start - a.centre) - b.radius_start, n.dot(b.centre(b.length) - a.centre) - b.radius_end) -
+      support;
   if (m.gap - certain > 1e-7 * largest) return false;
   const double r = b.radius(m.s);
   sink.add(b.centre(m.s) - (r + 0.5 * m.gap) * n, n, m.gap, 0);

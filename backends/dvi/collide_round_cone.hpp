@@ -16,8 +16,8 @@ RoundConePoint nearest_on_round_cone(const PlacedRoundCone& cone, const Vec3& po
 
 void collide_sphere_round_cone(const PlacedSphere& a, const PlacedRoundCone& b, const ContactSink& sink);
 
-/// The contact of least gap, and where the two lie along each other a second one at the other end of the common stretch.
-/// Features: which half of each axis touches.
+/// The contact of least gap, and where the two lie along each other a second one at the other end of the common
+/// stretch. Features: which half of each axis touches.
 void collide_round_cones(const PlacedRoundCone& a, const PlacedRoundCone& b, const ContactSink& sink);
 
 /// The least distance of the axis' points from the ellipsoid, less the radius there. False, with nothing added, if the

@@ -100,7 +100,8 @@ void add_circles(const Vec3& centre, double extent, const Distance& distance, co
       const Vec3 n = b.rotation.transpose() * d.normal;
       if (!(d.distance <= sink.margin)) return;
       if (!b.profile.in_vertex_cone(k, Vec2(-n.dot(radial(angle)), -n.z()), 1e-6)) return;
-      sink.add(p - 0.5 * d.distance * d.normal, d.normal, d.distance, circle_names + name + stride * (2u * static_cast<unsigned>(k) + 1));
+      sink.add(p - 0.5 * d.distance * d.normal, d.normal, d.distance,
+               circle_names + name + stride * (2u * static_cast<unsigned>(k) + 1));
     };
     int least = 0;
     double least_distance = std::numeric_limits<double>::infinity();
@@ -121,16 +122,18 @@ void add_circles(const Vec3& centre, double extent, const Distance& distance, co
 
 template <class Lathe>
 auto lathe_distance(const Lathe& body, const PlacedPrimitive& placed) {
-  return [points = profile_of(body, placed.scale), position = placed.position, rotation = placed.rotation](const Vec3& p) {
-    const HalfPlane at(rotation.transpose() * (p - position));
-    const ProfileNearest nearest = nearest_on_profile(Profile(points), at.point);
-    return PointDistance{nearest.distance, rotation * at.lift(nearest.normal)};
-  };
+  return
+      [points = profile_of(body, placed.scale), position = placed.position, rotation = placed.rotation](const Vec3& p) {
+        const HalfPlane at(rotation.transpose() * (p - position));
+        const ProfileNearest nearest = nearest_on_profile(Profile(points), at.point);
+        return PointDistance{nearest.distance, rotation * at.lift(nearest.normal)};
+      };
 }
 
 }  // namespace
 
-void collide_solid_profile(const Box& a, const PlacedPrimitive& placed, const PlacedProfile& b, const ContactSink& sink) {
+void collide_solid_profile(const Box& a, const PlacedPrimitive& placed, const PlacedProfile& b,
+                           const ContactSink& sink) {
   const PlacedBox box = place(a, placed);
   const double extent = box.half_extents.norm();
   if (out_of_reach(box.centre, extent, b, sink)) return;
@@ -148,7 +151,8 @@ void collide_solid_profile(const Box& a, const PlacedPrimitive& placed, const Pl
         add_edge(corners[c], corners[c | bit], b, name, sink);
         name += 4;
       }
-  add_circles(box.centre, extent, [&](const Vec3& p) { return point_distance(box, p); }, b, sink);
+  add_circles(
+      box.centre, extent, [&](const Vec3& p) { return point_distance(box, p); }, b, sink);
   merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 
@@ -165,7 +169,8 @@ void collide_solid_profile(const Cylinder& a, const PlacedPrimitive& placed, con
   merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 
-void collide_solid_profile(const Cone& a, const PlacedPrimitive& placed, const PlacedProfile& b, const ContactSink& sink) {
+void collide_solid_profile(const Cone& a, const PlacedPrimitive& placed, const PlacedProfile& b,
+                           const ContactSink& sink) {
   const double r = placed.scale * a.radius, h = placed.scale * a.height, extent = std::max(h, r);
   if (out_of_reach(placed.position, extent, b, sink)) return;
   const std::size_t first = sink.out->size();
@@ -195,11 +200,12 @@ void collide_solid_profile(const TriMesh& a, const PlacedPrimitive& placed, cons
     for (std::size_t k = 0; k < 3; ++k) {
       const int i = t[k], j = t[(k + 1) % 3];
       if (i < j)
-        add_edge(vertex(i), vertex(j), b, 2 * (static_cast<std::uint32_t>(i) * 65599u + static_cast<std::uint32_t>(j)) + 1,
-                 sink);
+        add_edge(vertex(i), vertex(j), b,
+                 2 * (static_cast<std::uint32_t>(i) * 65599u + static_cast<std::uint32_t>(j)) + 1, sink);
     }
   const PlacedMesh mesh{a, placed.position, placed.rotation, placed.scale};
-  add_circles(placed.position, extent, [&](const Vec3& p) { return point_distance(mesh, p); }, b, sink);
+  add_circles(
+      placed.position, extent, [&](const Vec3& p) { return point_distance(mesh, p); }, b, sink);
   merge_repeated(*sink.out, first, 1e-6 * extent);
 }
 

@@ -179,6 +179,12 @@ FaceFeature facing(const ConvexBody& body, const Vec3& d) {
     face.normal = (front ? n : Vec3(-n)) / length;
     return face;
   }
+  if (body.kind == Kind::round_cone) {
+    // The end balls' farthest points: the whole side where d is square to it.
+    const Vec3 n = d.normalized();
+    return segment(body.points[0] + (body.radii[0] + body.margin) * n,
+                   body.points[1] + (body.radii[1] + body.margin) * n);
+  }
   const Vec3 local = body.rotation.transpose() * d;
   if (body.kind == Kind::box) return box_face(body, local);
   if (body.kind != Kind::cylinder && body.kind != Kind::cone) return {};

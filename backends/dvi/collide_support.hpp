@@ -11,13 +11,13 @@ namespace repose::dvi {
 struct ConvexBody {
   enum class Kind : std::uint8_t { ball, ellipsoid, round_cone, cone, box, cylinder, triangle };
   Kind kind = Kind::ball;
-  Vec3 centre = Vec3::Zero();       ///< an inner point
+  Vec3 centre = Vec3::Zero();  ///< an inner point
   Mat3 rotation = Mat3::Identity();
-  Vec3 size = Vec3::Zero();         ///< ellipsoid: semi-axes; box: half extents; cylinder, cone: radius, -, (half) height
+  Vec3 size = Vec3::Zero();  ///< ellipsoid: semi-axes; box: half extents; cylinder, cone: radius, -, (half) height
   double margin = 0;
-  double extent = 0;                ///< about the largest distance of the body's points from its centre
-  std::array<Vec3, 3> points{};     ///< triangle: corners; round cone: the two ends
-  std::array<double, 2> radii{};    ///< round cone: of the core
+  double extent = 0;              ///< about the largest distance of the body's points from its centre
+  std::array<Vec3, 3> points{};   ///< triangle: corners; round cone: the two ends
+  std::array<double, 2> radii{};  ///< round cone: of the core
 
   /// The core's farthest point in direction `d` (need not be unit).
   Vec3 support(const Vec3& d) const;
@@ -33,8 +33,8 @@ ConvexBody convex(const Cone& cone, const PlacedPrimitive& placed);
 ConvexBody convex(const Cylinder& cylinder, const PlacedPrimitive& placed);
 ConvexBody convex_triangle(const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// The flat or straight piece of surface that faces direction `d` best: a polygon (counterclockwise seen from outside), a
-/// segment, or nothing for bodies that are round there.
+/// The flat or straight piece of surface that faces direction `d` best: a polygon (counterclockwise seen from outside),
+/// a segment, or nothing for bodies that are round there.
 struct FaceFeature {
   int count = 0;
   std::array<Vec3, 8> points{};

@@ -30,7 +30,8 @@ TEST_P(Pairs, GapIsThatOfTheOracle) {
     const auto found = contacts(pair.a, pair.b, 2.1 * size);
     ASSERT_FALSE(found.empty()) << "oracle " << oracle << " at " << k;
     ++compared;
-    // Where a tool is hollow or thin, the depth of an overlap has no single definition: a looser bound for corners there.
+    // Where a tool is hollow or thin, the depth of an overlap has no single definition: a looser bound for corners
+    // there.
     const bool loose = oracle < 0 && (second == "dish" || second == "funnel" || first == "mesh" || second == "mesh");
     EXPECT_NEAR(least_gap(found), oracle, (loose ? 0.03 : 1e-4) * size) << "at " << k;
   }

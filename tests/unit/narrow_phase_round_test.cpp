@@ -4,14 +4,16 @@
 namespace repose::dvi {
 namespace {
 
-PlacedPrimitive at(const Primitive& p, const Vec3& position, const Mat3& rotation = Mat3::Identity(), double scale = 1) {
+PlacedPrimitive at(const Primitive& p, const Vec3& position, const Mat3& rotation = Mat3::Identity(),
+                   double scale = 1) {
   return {&p, scale, position, rotation};
 }
 
 /// Turns the x axis into `axis`.
 Mat3 x_to(const Vec3& axis) { return Quat::FromTwoVectors(Vec3::UnitX(), axis).toRotationMatrix(); }
 
-void expect_one(const std::vector<ContactPoint>& found, double gap, const Vec3& normal, const Vec3& point, double tolerance) {
+void expect_one(const std::vector<ContactPoint>& found, double gap, const Vec3& normal, const Vec3& point,
+                double tolerance) {
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].gap, gap, tolerance);
   EXPECT_LT((found[0].normal - normal).norm(), tolerance);
@@ -20,9 +22,10 @@ void expect_one(const std::vector<ContactPoint>& found, double gap, const Vec3& 
 
 TEST(NarrowPhaseRound, TwoSpheres) {
   const Primitive big = Sphere{2}, small = Sphere{0.5};
-  expect_one(contacts(at(big, Vec3(1, 0, 0)), at(small, Vec3(1, 0, 3)), 1), 0.5, Vec3::UnitZ(), Vec3(1, 0, 2.25), 1e-15);
-  expect_one(contacts(at(big, Vec3::Zero(), Mat3::Identity(), 0.5), at(small, Vec3(0, 1.25, 0)), 0), -0.25, Vec3::UnitY(),
-             Vec3(0, 0.875, 0), 1e-15);
+  expect_one(contacts(at(big, Vec3(1, 0, 0)), at(small, Vec3(1, 0, 3)), 1), 0.5, Vec3::UnitZ(), Vec3(1, 0, 2.25),
+             1e-15);
+  expect_one(contacts(at(big, Vec3::Zero(), Mat3::Identity(), 0.5), at(small, Vec3(0, 1.25, 0)), 0), -0.25,
+             Vec3::UnitY(), Vec3(0, 0.875, 0), 1e-15);
   EXPECT_TRUE(contacts(at(big, Vec3::Zero()), at(small, Vec3(0, 0, 3)), 0.49).empty());
 }
 
@@ -36,11 +39,13 @@ TEST(NarrowPhaseRound, EllipsoidsAlongTheirAxes) {
     }
 }
 
-/// Two ellipsoids that touch by construction: each holds the same point with opposite normals, then they are drawn apart.
+/// Two ellipsoids that touch by construction: each holds the same point with opposite normals, then they are drawn
+/// apart.
 TEST(NarrowPhaseRound, EllipsoidsBuiltFromACommonNormal) {
   Samples samples(5);
   for (int k = 0; k < 2000; ++k) {
-    const Primitive first = samples.make("ellipsoid"), second = samples.make("ellipsoid", std::pow(10, samples.between(-1, 0)));
+    const Primitive first = samples.make("ellipsoid"),
+                    second = samples.make("ellipsoid", std::pow(10, samples.between(-1, 0)));
     const Vec3 &ea = std::get<Ellipsoid>(first).semi_axes, &eb = std::get<Ellipsoid>(second).semi_axes;
     const Mat3 ra = samples.rotation(), rb = samples.rotation();
     const Vec3 n = samples.direction();
@@ -94,8 +99,10 @@ TEST(NarrowPhaseRound, SphereOnTheSideAndTheApexOfACone) {
   const Vec3 side(0.5, std::sqrt(0.75), 0);  // normal of the side
   const Vec3 foot = side + 0.7 * Vec3(std::sqrt(0.75), -0.5, 0);
   expect_one(contacts(at(ball, foot + 0.6 * side), at(cone, Vec3::Zero()), 1), 0.1, -side, foot + 0.05 * side, 1e-12);
-  expect_one(contacts(at(ball, Vec3(3, 0, 0)), at(cone, Vec3::Zero()), 1), 0.5, -Vec3::UnitX(), Vec3(2.25, 0, 0), 1e-12);
-  expect_one(contacts(at(ball, Vec3(-1.75, 0, 0)), at(cone, Vec3::Zero()), 1), 0.25, Vec3::UnitX(), Vec3(-1.125, 0, 0), 1e-12);
+  expect_one(contacts(at(ball, Vec3(3, 0, 0)), at(cone, Vec3::Zero()), 1), 0.5, -Vec3::UnitX(), Vec3(2.25, 0, 0),
+             1e-12);
+  expect_one(contacts(at(ball, Vec3(-1.75, 0, 0)), at(cone, Vec3::Zero()), 1), 0.25, Vec3::UnitX(), Vec3(-1.125, 0, 0),
+             1e-12);
 }
 
 TEST(NarrowPhaseRound, CrossedRoundConesTouchOnce) {

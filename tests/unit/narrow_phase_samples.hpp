@@ -1,5 +1,6 @@
 #pragma once
-/// Random primitives and placements for the tests of the narrow phase, and what can be said of their contacts without it.
+/// Random primitives and placements for the tests of the narrow phase, and what can be said of their contacts without
+/// it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +16,9 @@ class Samples {
  public:
   explicit Samples(std::uint64_t seed) : engine_(seed) {}
 
-  double between(double low, double high) { return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53); }
+  double between(double low, double high) {
+    return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
+  }
   Vec3 direction() {
     while (true) {
       const Vec3 v(between(-1, 1), between(-1, 1), between(-1, 1));
@@ -79,16 +82,15 @@ class Samples {
   }
 
   /// A plate of radius 5 whose top is z = 0, with a rim 1.5 high and 1 wide.
-  static Revolved dish() {
-    return {{Vec2(0, -2), Vec2(6, -2), Vec2(6, 1.5), Vec2(5, 1.5), Vec2(5, 0), Vec2(0, 0)}};
-  }
+  static Revolved dish() { return {{Vec2(0, -2), Vec2(6, -2), Vec2(6, 1.5), Vec2(5, 1.5), Vec2(5, 0), Vec2(0, 0)}}; }
   static Revolved funnel() {
     return {{Vec2(1.5, 0), Vec2(2.5, -0.5), Vec2(8, 6), Vec2(8, 10), Vec2(7, 10), Vec2(6.5, 6)}};
   }
   static TriMesh block(const Vec3& h) {
     TriMesh mesh;
     for (int c = 0; c < 8; ++c)
-      mesh.vertices.emplace_back((c & 1) != 0 ? h.x() : -h.x(), (c & 2) != 0 ? h.y() : -h.y(), (c & 4) != 0 ? h.z() : -h.z());
+      mesh.vertices.emplace_back((c & 1) != 0 ? h.x() : -h.x(), (c & 2) != 0 ? h.y() : -h.y(),
+                                 (c & 4) != 0 ? h.z() : -h.z());
     mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                       {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
     return mesh;

@@ -6,7 +6,8 @@
 namespace repose::dvi {
 namespace {
 
-PlacedPrimitive at(const Primitive& p, const Vec3& position, const Mat3& rotation = Mat3::Identity(), double scale = 1) {
+PlacedPrimitive at(const Primitive& p, const Vec3& position, const Mat3& rotation = Mat3::Identity(),
+                   double scale = 1) {
   return {&p, scale, position, rotation};
 }
 
@@ -40,7 +41,8 @@ TEST(NarrowPhaseSolid, RockingBoxKeepsItsFeatures) {
   std::set<std::uint32_t> features;
   for (int k = 0; k < 50; ++k) {
     const Mat3 wobble = Eigen::AngleAxisd(1e-3, samples.direction()).toRotationMatrix();
-    const auto found = contacts(at(table, Vec3::Zero()), at(box, Vec3(0.1, 0.1, 0.8 + samples.between(-1e-3, 1e-3)), wobble), 0.1);
+    const auto found =
+        contacts(at(table, Vec3::Zero()), at(box, Vec3(0.1, 0.1, 0.8 + samples.between(-1e-3, 1e-3)), wobble), 0.1);
     std::set<std::uint32_t> now;
     for (const ContactPoint& c : found) now.insert(c.feature);
     if (k > 0) {
@@ -109,7 +111,8 @@ TEST(NarrowPhaseSolid, BallOnAMeshIsBallOnABox) {
   const Primitive box = Box{half}, mesh = Samples::block(half), ball = Sphere{0.4};
   for (int k = 0; k < 300; ++k) {
     const Vec3 p(samples.between(-1.6, 1.6), samples.between(-1.3, 1.3), samples.between(-1.1, 1.1));
-    const auto on_box = contacts(at(ball, p), at(box, Vec3::Zero()), 0.2), on_mesh = contacts(at(ball, p), at(mesh, Vec3::Zero()), 0.2);
+    const auto on_box = contacts(at(ball, p), at(box, Vec3::Zero()), 0.2),
+               on_mesh = contacts(at(ball, p), at(mesh, Vec3::Zero()), 0.2);
     ASSERT_EQ(on_box.size(), on_mesh.size()) << "at " << k;
     if (on_box.empty()) continue;
     EXPECT_NEAR(on_box[0].gap, on_mesh[0].gap, 1e-12);
@@ -165,6 +168,20 @@ TEST(NarrowPhaseSolid, BoxOnAMeshHasItsFourCorners) {
     EXPECT_NEAR(c.gap, 0.05, 1e-9);
     EXPECT_LT((c.normal + Vec3::UnitZ()).norm(), 1e-9);
   }
+}
+
+TEST(NarrowPhaseSolid, RoundConeLyingOnAMeshTouchesWithBothEnds) {
+  const Primitive mesh = Samples::block(Vec3(4, 2, 0.5)), rod = RoundCone{0.3, 0.3, 2};
+  const auto found = contacts(at(rod, Vec3(-0.8, 0.3, 0.85)), at(mesh, Vec3::Zero()), 0.1);
+  ASSERT_GE(found.size(), 2u);
+  double low = 10, high = -10;
+  for (const ContactPoint& c : found) {
+    EXPECT_NEAR(c.gap, 0.05, 1e-12);
+    low = std::min(low, c.point.x());
+    high = std::max(high, c.point.x());
+  }
+  EXPECT_NEAR(low, -0.8, 1e-9);
+  EXPECT_NEAR(high, 1.2, 1e-9);
 }
 
 TEST(NarrowPhaseSolid, MeshOnAPlaneTouchesWithItsVertices) {

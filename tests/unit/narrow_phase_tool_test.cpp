@@ -4,7 +4,8 @@
 namespace repose::dvi {
 namespace {
 
-PlacedPrimitive at(const Primitive& p, const Vec3& position, const Mat3& rotation = Mat3::Identity(), double scale = 1) {
+PlacedPrimitive at(const Primitive& p, const Vec3& position, const Mat3& rotation = Mat3::Identity(),
+                   double scale = 1) {
   return {&p, scale, position, rotation};
 }
 
@@ -138,7 +139,8 @@ TEST(NarrowPhaseTool, RoundConeAcrossTheEdgeOfTheRim) {
   const Primitive dish = Samples::dish(), rod = RoundCone{0.3, 0.3, 3};
   // A rod that leans over the inner edge of the rim, square to the bisector of the edge.
   const Vec3 out = Vec3(-1, 0, 1).normalized(), along = Vec3(1, 0, 1).normalized();
-  const auto found = contacts(at(rod, Vec3(5, 0, 1.5) + 0.4 * out - 1.2 * along, x_to(along)), at(dish, Vec3::Zero()), 0.15);
+  const auto found =
+      contacts(at(rod, Vec3(5, 0, 1.5) + 0.4 * out - 1.2 * along, x_to(along)), at(dish, Vec3::Zero()), 0.15);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_NEAR(found[0].gap, 0.1, 1e-12);
   EXPECT_LT((found[0].normal + out).norm(), 1e-9);
@@ -159,7 +161,8 @@ TEST(NarrowPhaseTool, FeaturesOfABallAreThoseOfTheSurfaceItTouches) {
   std::uint32_t feature = 0;
   for (int k = 0; k < 30; ++k) {
     const double angle = 0.2 * k;
-    const auto found = contacts(at(ball, Vec3(2 * std::cos(angle), 3 * std::sin(angle), 0.5)), at(dish, Vec3::Zero()), 0.1);
+    const auto found =
+        contacts(at(ball, Vec3(2 * std::cos(angle), 3 * std::sin(angle), 0.5)), at(dish, Vec3::Zero()), 0.1);
     ASSERT_EQ(found.size(), 1u);
     if (k > 0) {
       EXPECT_EQ(found[0].feature, feature);
