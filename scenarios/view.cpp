@@ -25,12 +25,12 @@ using namespace repose;
 constexpr std::size_t largest_page = 40'000'000;
 
 struct ViewOptions {
-  long frame = -1;              ///< -1: the last
-  double time = -1;             ///< [s]; < 0: not given
+  long frame = -1;   ///< -1: the last
+  double time = -1;  ///< [s]; < 0: not given
   bool film = false;
   std::string view = "iso", only, format;
   std::vector<std::string> hide;
-  int width = 0, height = 0;    ///< 0: chosen
+  int width = 0, height = 0;  ///< 0: chosen
   int frames = 150;
   double rate = 25;
   double azimuth_deg = 0;
@@ -38,10 +38,14 @@ struct ViewOptions {
 };
 
 void add_options(CLI::App& app, ViewOptions& o) {
-  auto* frame = app.add_option("--frame", o.frame, "number of the frame, from 0 (default: the last)")->check(CLI::NonNegativeNumber);
-  app.add_option("--time", o.time, "the frame nearest to this time [s]")->check(CLI::NonNegativeNumber)->excludes(frame);
-  app.add_flag("--film", o.film,
-               "all frames as a film: film.html, a page that plays without network, and film.mp4 if ffmpeg is on the PATH");
+  auto* frame = app.add_option("--frame", o.frame, "number of the frame, from 0 (default: the last)")
+                    ->check(CLI::NonNegativeNumber);
+  app.add_option("--time", o.time, "the frame nearest to this time [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->excludes(frame);
+  app.add_flag(
+      "--film", o.film,
+      "all frames as a film: film.html, a page that plays without network, and film.mp4 if ffmpeg is on the PATH");
   app.add_option("--view", o.view, "iso (default), side or top; flanks keep their angle in side and top")
       ->check(CLI::IsMember({"iso", "side", "top"}));
   app.add_option("--azimuth", o.azimuth_deg, "turns the eye about z [degrees]");
@@ -50,7 +54,8 @@ void add_options(CLI::App& app, ViewOptions& o) {
   app.add_option("--format", o.format, "png; with --film also html or mp4 (default: html, and mp4 if possible)")
       ->check(CLI::IsMember({"png", "html", "mp4"}));
   app.add_option("--width", o.width, "of the picture [pixels] (default 1600, film 960)")->check(CLI::Range(16, 16384));
-  app.add_option("--height", o.height, "of the picture [pixels] (default: width / 1.6; film: to suit)")->check(CLI::Range(16, 16384));
+  app.add_option("--height", o.height, "of the picture [pixels] (default: width / 1.6; film: to suit)")
+      ->check(CLI::Range(16, 16384));
   app.add_option("--samples", o.samples, "rays per pixel (default 6, film 3)")->check(CLI::Range(1, 1024));
   app.add_option("--frames", o.frames,
                  "at most so many frames in a film (default 150); a page of more than 40 MB is thinned further")
@@ -108,7 +113,8 @@ const Snapshot& chosen_frame(const std::vector<Snapshot>& frames, const ViewOpti
   }
   number = static_cast<std::size_t>(view.frame);
   if (number >= frames.size())
-    throw Error("--frame", fmt::format("there is no frame {}", number), fmt::format("the last is {}", frames.size() - 1));
+    throw Error("--frame", fmt::format("there is no frame {}", number),
+                fmt::format("the last is {}", frames.size() - 1));
   return frames[number];
 }
 
@@ -197,14 +203,15 @@ int film(ViewOptions view, const Options& options) {
 
 int main(int argc, char** argv) {
   ViewOptions view;
-  const CommandInfo info{"view",
-                         "Pictures and films of a recorded run: grains coloured by shape, with shadows and a scale bar.",
-                         "repose view out/aor/run.h5\n"
-                         "repose view out/aor/run.h5 --view side --time 0.2 --hide funnel\n"
-                         "repose view out/aor/run.h5 --film --frames 100",
-                         "run.h5",
-                         true,
-                         {}};
+  const CommandInfo info{
+      "view",
+      "Pictures and films of a recorded run: grains coloured by shape, with shadows and a scale bar.",
+      "repose view out/aor/run.h5\n"
+      "repose view out/aor/run.h5 --view side --time 0.2 --hide funnel\n"
+      "repose view out/aor/run.h5 --film --frames 100",
+      "run.h5",
+      true,
+      {}};
   return run_command(
       argc, argv, info,
       [&](const Options& options) {

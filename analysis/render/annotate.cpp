@@ -17,7 +17,9 @@ const Vec3 ink(0.96, 0.97, 0.98), faint_ink(0.76, 0.80, 0.84), panel(0.07, 0.09,
 constexpr double panel_cover = 0.42;
 
 /// Sizes follow the picture, so that a small one stays readable and a large one is not overrun.
-double em(const Image& image) { return std::max(10.0, std::min(image.width / 1.5, static_cast<double>(image.height)) / 42); }
+double em(const Image& image) {
+  return std::max(10.0, std::min(image.width / 1.5, static_cast<double>(image.height)) / 42);
+}
 
 void draw_sample(Image& image, const Shape& shape, int left, int top, int size) {
   Camera camera;
@@ -32,8 +34,9 @@ void draw_sample(Image& image, const Shape& shape, int left, int top, int size) 
       double cover = 0;
       for (int s = 0; s < samples; ++s) {
         const double u = (x + (s % 4 + 0.5) / 4) / size - 0.5, v = 0.5 - (y + (s / 4 + 0.5) / 4) / size;
-        const Radiance r = trace(stage, light, camera.eye + 1.04 * (u * axes.right + v * axes.up), axes.forward, 0,
-                                 {pixel_noise(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)), s, samples, 2});
+        const Radiance r =
+            trace(stage, light, camera.eye + 1.04 * (u * axes.right + v * axes.up), axes.forward, 0,
+                  {pixel_noise(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)), s, samples, 2});
         colour += r.colour;
         cover += r.cover;
       }
@@ -91,7 +94,8 @@ void draw_legend(Image& image, const std::vector<LegendEntry>& entries) {
   }
   if (items.size() > 1) {
     const std::string name = entries.front().grains ? "grains" : "bodies";
-    items.insert(items.begin(), {name, grouped(total), nullptr, type.width(name, size) + count_gap + type.width(grouped(total), size), 0, 0});
+    items.insert(items.begin(), {name, grouped(total), nullptr,
+                                 type.width(name, size) + count_gap + type.width(grouped(total), size), 0, 0});
   }
   // The items flow like words, so that the legend takes a strip of any picture, however narrow.
   double x = 0, y = 0, widest = 0;
@@ -107,7 +111,8 @@ void draw_legend(Image& image, const std::vector<LegendEntry>& entries) {
     double pen = border + pad + item.x;
     const double top = border + 0.3 * pad + item.y, base = top + 0.5 * row + 0.36 * size;
     if (item.shape) {
-      draw_sample(image, *item.shape, static_cast<int>(pen), static_cast<int>(top + 0.5 * (row - icon)), static_cast<int>(icon));
+      draw_sample(image, *item.shape, static_cast<int>(pen), static_cast<int>(top + 0.5 * (row - icon)),
+                  static_cast<int>(icon));
       pen += icon + icon_gap;
     }
     type.draw(image, pen, base, item.shape ? item.name : item.count, size, ink);
@@ -127,7 +132,8 @@ void draw_scale_bar(Image& image, double pixel) {
   type.draw(image, left + 0.5 * (width - type.width(label, size)), top + 1.35 * size, label, size, ink);
   const double x = left + 0.5 * (width - bar), y = top + 1.95 * size;
   fill_rounded(image, x, y - thick / 2, bar, thick, 0, ink, 1);
-  for (const double end : {x, x + bar - thick}) fill_rounded(image, end, y - 1.6 * thick, thick, 3.2 * thick, 0, ink, 1);
+  for (const double end : {x, x + bar - thick})
+    fill_rounded(image, end, y - 1.6 * thick, thick, 3.2 * thick, 0, ink, 1);
 }
 
 void draw_caption(Image& image, const std::string& text) {

@@ -9,10 +9,10 @@
 namespace repose {
 
 struct LegendEntry {
-  std::string kind;             ///< shape kind
+  std::string kind;  ///< shape kind
   const Shape* shape = nullptr;
   std::size_t count = 0;
-  bool grains = false;          ///< else bodies of other kinds
+  bool grains = false;  ///< else bodies of other kinds
 };
 
 /// Along the top: how many grains in all; then a small picture of each shape, its name, how many there are.

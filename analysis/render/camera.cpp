@@ -45,12 +45,18 @@ void outline(const Primitive& primitive, const Pose& pose, std::vector<Vec3>& po
   std::visit(
       [&](const auto& p) {
         using T = std::decay_t<decltype(p)>;
-        if constexpr (std::is_same_v<T, Sphere>) corners(Vec3::Constant(p.radius / std::sqrt(3.0)));
-        else if constexpr (std::is_same_v<T, Ellipsoid>) corners(p.semi_axes / std::sqrt(3.0));
-        else if constexpr (std::is_same_v<T, RoundCone>) add(Vec3::Zero()), add({p.length, 0, 0});
-        else if constexpr (std::is_same_v<T, Cone>) ring(p.radius, 0), add({0, 0, p.height});
-        else if constexpr (std::is_same_v<T, Box>) corners(p.half_extents);
-        else if constexpr (std::is_same_v<T, Cylinder>) ring(p.radius, -p.half_height), ring(p.radius, p.half_height);
+        if constexpr (std::is_same_v<T, Sphere>)
+          corners(Vec3::Constant(p.radius / std::sqrt(3.0)));
+        else if constexpr (std::is_same_v<T, Ellipsoid>)
+          corners(p.semi_axes / std::sqrt(3.0));
+        else if constexpr (std::is_same_v<T, RoundCone>)
+          add(Vec3::Zero()), add({p.length, 0, 0});
+        else if constexpr (std::is_same_v<T, Cone>)
+          ring(p.radius, 0), add({0, 0, p.height});
+        else if constexpr (std::is_same_v<T, Box>)
+          corners(p.half_extents);
+        else if constexpr (std::is_same_v<T, Cylinder>)
+          ring(p.radius, -p.half_height), ring(p.radius, p.half_height);
         else if constexpr (std::is_same_v<T, Revolved>)
           for (const Vec2& q : p.profile) ring(q.x(), q.y());
         else if constexpr (std::is_same_v<T, TriMesh>)
@@ -122,7 +128,8 @@ std::vector<Ball> framed_balls(const Model& model, std::span<const Snapshot> sna
       const Body& body = model.bodies[i];
       if (!body.dynamic || !drawn(model, i, snapshot.time, options.hide)) continue;
       if (!outlines.empty() && snapshot.position[i].z() < floor) continue;
-      balls.push_back({snapshot.position[i], model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale});
+      balls.push_back(
+          {snapshot.position[i], model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale});
     }
     std::move(outlines.begin(), outlines.end(), std::back_inserter(tools));
   }
@@ -153,7 +160,8 @@ Bounds projected(const std::vector<Ball>& balls, const CameraAxes& axes) {
   Bounds extent;
   for (const Ball& b : balls)
     for (const double r : {-b.radius, b.radius})
-      extent.include(Vec3(axes.right.dot(b.centre), axes.up.dot(b.centre), axes.forward.dot(b.centre)) + Vec3::Constant(r));
+      extent.include(Vec3(axes.right.dot(b.centre), axes.up.dot(b.centre), axes.forward.dot(b.centre)) +
+                     Vec3::Constant(r));
   return extent;
 }
 
@@ -208,8 +216,9 @@ CameraAxes camera_axes(const Camera& camera) {
   const bool finite = camera.eye.allFinite() && camera.target.allFinite() && camera.up.allFinite();
   if (!finite || !(right.norm() > 1e-9 * sight.norm() * camera.up.norm()) || !(camera.view_height > 0) ||
       !std::isfinite(camera.view_height))
-    throw Error("camera", "its line of sight, its up vector or its view height is degenerate",
-                "eye and target must differ, up must not be parallel to the line of sight, view_height must be positive");
+    throw Error(
+        "camera", "its line of sight, its up vector or its view height is degenerate",
+        "eye and target must differ, up must not be parallel to the line of sight, view_height must be positive");
   CameraAxes axes;
   axes.forward = sight.normalized();
   axes.right = right.normalized();
@@ -224,7 +233,8 @@ std::vector<Ball> checked_balls(const Model& model, std::span<const Snapshot> sn
     throw Error("camera", "the aspect ratio must be positive and the margin in [0, 0.45)", "check width and height");
   for (const Snapshot& s : snapshots)
     if (s.size() != model.bodies.size())
-      throw Error("camera", "the snapshot and the model have different numbers of bodies", "use a frame of the same run");
+      throw Error("camera", "the snapshot and the model have different numbers of bodies",
+                  "use a frame of the same run");
   std::vector<Ball> balls = framed_balls(model, snapshots, options);
   if (balls.empty())
     throw Error("camera", "there is nothing to show: no body that moves, no bounded tool",

@@ -17,7 +17,8 @@ namespace {
 
 void check(const Image& image) {
   const bool positive = image.width > 0 && image.height > 0;
-  if (!positive || image.rgb.size() != 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
+  if (!positive ||
+      image.rgb.size() != 3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
     throw Error("picture",
                 "its array holds " + std::to_string(image.rgb.size()) + " bytes, but it says " +
                     std::to_string(image.width) + " x " + std::to_string(image.height) + " pixels",
@@ -28,8 +29,8 @@ void append(png_structp png, png_bytep data, png_size_t size) {
   static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
 }
 
-/// libpng and libjpeg report errors by a call that must not return. An exception may not pass through their C frames, so
-/// both jump back.
+/// libpng and libjpeg report errors by a call that must not return. An exception may not pass through their C frames,
+/// so both jump back.
 struct JpegErrors {
   jpeg_error_mgr base;
   std::jmp_buf back;
@@ -77,7 +78,8 @@ bool compress_jpeg(const Image& image, int quality, unsigned char*& buffer, unsi
   jpeg.optimize_coding = TRUE;
   jpeg_start_compress(&jpeg, TRUE);
   while (jpeg.next_scanline < jpeg.image_height) {
-    JSAMPROW row = const_cast<JSAMPROW>(image.rgb.data()) + 3 * static_cast<std::size_t>(jpeg.next_scanline) * jpeg.image_width;
+    JSAMPROW row =
+        const_cast<JSAMPROW>(image.rgb.data()) + 3 * static_cast<std::size_t>(jpeg.next_scanline) * jpeg.image_width;
     jpeg_write_scanlines(&jpeg, &row, 1);
   }
   jpeg_finish_compress(&jpeg);

@@ -44,8 +44,8 @@ Roots solve_quadratic(double a, double b, double c) {
   return roots;
 }
 
-/// A ball about `centre`. The discriminant is formed from the ray's closest approach, so that a small ball far away keeps
-/// its outline.
+/// A ball about `centre`. The discriminant is formed from the ray's closest approach, so that a small ball far away
+/// keeps its outline.
 void ball(Trace& trace, const Vec3& centre, double radius) {
   const Vec3 to_origin = trace.origin - centre;
   const double a = trace.direction.squaredNorm();
@@ -115,8 +115,10 @@ void visit(Trace& trace, const Ellipsoid& e) {
 void visit(Trace& trace, const RoundCone& c) {
   const double difference = c.radius_a - c.radius_b;
   if (c.length <= std::abs(difference)) {
-    if (difference >= 0) ball(trace, Vec3::Zero(), c.radius_a);
-    else ball(trace, Vec3(c.length, 0, 0), c.radius_b);
+    if (difference >= 0)
+      ball(trace, Vec3::Zero(), c.radius_a);
+    else
+      ball(trace, Vec3(c.length, 0, 0), c.radius_b);
     return;
   }
   // The cone touches both spheres along circles; between these it is the hull, beyond them the spheres are.

@@ -7,8 +7,8 @@
 
 namespace repose {
 
-/// The colour of a body of this shape kind, linear RGB in [0, 1]. White spheres, green ellipsoids, blue cones as in the source
-/// study; the other four from the palette of Okabe & Ito (2008), which colour-blind people can tell apart.
+/// The colour of a body of this shape kind, linear RGB in [0, 1]. White spheres, green ellipsoids, blue cones as in the
+/// source study; the other four from the palette of Okabe & Ito (2008), which colour-blind people can tell apart.
 Vec3 shape_colour(std::string_view kind);
 
 /// The neutral grey of tools, linear RGB.

@@ -32,7 +32,8 @@ void bound(Placed& placed) {
           half = p.semi_axes;
         } else if constexpr (std::is_same_v<T, RoundCone>) {
           const double r = std::max(p.radius_a, p.radius_b);
-          const double left = std::min(-p.radius_a, p.length - p.radius_b), right = std::max(p.radius_a, p.length + p.radius_b);
+          const double left = std::min(-p.radius_a, p.length - p.radius_b),
+                       right = std::max(p.radius_a, p.length + p.radius_b);
           centre.x() = 0.5 * (left + right);
           half = {0.5 * (right - left), r, r};
         } else if constexpr (std::is_same_v<T, Cone>) {
@@ -98,7 +99,7 @@ struct RayScene::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
   std::vector<Placed> bounded, unbounded;
-  std::vector<int> mesh_owner;           ///< by geometry number; -1 for the user geometry
+  std::vector<int> mesh_owner;  ///< by geometry number; -1 for the user geometry
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
@@ -181,7 +182,8 @@ void RayScene::Impl::add_mesh(const TriMesh& mesh, const Pose& pose, int owner) 
 RayScene::RayScene(std::vector<Solid> solids) : impl_(std::make_unique<Impl>()) {
   // One builder thread: the hierarchy, and with it the answer to ties, is the same on every machine and in every run.
   impl_->device = rtcNewDevice("threads=1");
-  if (!impl_->device) throw Error("picture", "Embree could not be started", "check that libembree3 fits this processor");
+  if (!impl_->device)
+    throw Error("picture", "Embree could not be started", "check that libembree3 fits this processor");
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
   impl_->mesh_owner.push_back(-1);
@@ -191,8 +193,12 @@ RayScene::RayScene(std::vector<Solid> solids) : impl_(std::make_unique<Impl>()) 
       continue;
     }
     const bool infinite = std::holds_alternative<HalfSpace>(solid.primitive);
-    Placed placed{std::move(solid.primitive), solid.pose.orientation.toRotationMatrix().transpose(), solid.pose.position,
-                  solid.owner, Vec3::Zero(), Vec3::Zero()};
+    Placed placed{std::move(solid.primitive),
+                  solid.pose.orientation.toRotationMatrix().transpose(),
+                  solid.pose.position,
+                  solid.owner,
+                  Vec3::Zero(),
+                  Vec3::Zero()};
     if (infinite) {
       impl_->unbounded.push_back(std::move(placed));
     } else {

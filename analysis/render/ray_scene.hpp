@@ -21,8 +21,9 @@ struct RayHit {
   int owner = -1;
 };
 
-/// Lengths should be scaled so that a typical solid is about 1 in size and the scene lies about the origin: the hierarchy
-/// is held in single precision. Unbounded solids (half-spaces) are tested one by one. Queries are safe from many threads.
+/// Lengths should be scaled so that a typical solid is about 1 in size and the scene lies about the origin: the
+/// hierarchy is held in single precision. Unbounded solids (half-spaces) are tested one by one. Queries are safe from
+/// many threads.
 class RayScene {
  public:
   explicit RayScene(std::vector<Solid> solids);

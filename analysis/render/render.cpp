@@ -16,7 +16,9 @@ namespace repose {
 namespace {
 
 void check(const Model& model, const Snapshot& snapshot, const RenderOptions& options) {
-  const auto fail = [](const std::string& problem, const std::string& remedy) { throw Error("picture", problem, remedy); };
+  const auto fail = [](const std::string& problem, const std::string& remedy) {
+    throw Error("picture", problem, remedy);
+  };
   const auto in_range = [](int pixels) { return pixels >= 16 && pixels <= 16384; };
   if (!in_range(options.width) || !in_range(options.height))
     fail("its size is " + std::to_string(options.width) + " x " + std::to_string(options.height) + " pixels",
@@ -24,11 +26,13 @@ void check(const Model& model, const Snapshot& snapshot, const RenderOptions& op
   if (options.samples < 1 || options.samples > 1024 || options.sky_rays < 0 || options.sky_rays > 1024)
     fail("samples must be 1 to 1024, sky rays 0 to 1024", "4 and 4 are good for most pictures");
   if (snapshot.size() != model.bodies.size() || snapshot.orientation.size() != model.bodies.size())
-    fail("the snapshot holds " + std::to_string(snapshot.size()) + " bodies, the model " + std::to_string(model.bodies.size()),
+    fail("the snapshot holds " + std::to_string(snapshot.size()) + " bodies, the model " +
+             std::to_string(model.bodies.size()),
          "use a frame of the same run");
   for (std::size_t i = 0; i < snapshot.size(); ++i)
     if (!snapshot.position[i].allFinite() || !snapshot.orientation[i].coeffs().allFinite())
-      fail("the pose of body " + std::to_string(i) + " is not finite", "the run diverged before this frame: choose an earlier one");
+      fail("the pose of body " + std::to_string(i) + " is not finite",
+           "the run diverged before this frame: choose an earlier one");
   if (options.only.empty()) return;
   std::string kinds;
   for (const Body& body : model.bodies) {
@@ -77,8 +81,8 @@ double smooth_step(double from, double to, double x) {
 
 struct Lens {
   CameraAxes axes;
-  Vec3 eye;              ///< on the stage
-  double half_height;    ///< of the picture at the target's depth, on the stage
+  Vec3 eye;            ///< on the stage
+  double half_height;  ///< of the picture at the target's depth, on the stage
   bool orthographic;
 
   /// Ray through the picture at x, y in [-aspect, aspect] x [-1, 1].
@@ -97,8 +101,8 @@ Image render(const Model& model, const Snapshot& snapshot, const Camera& camera,
   const Light light = light_for(axes);
   const ScaledStage scaled_stage = build_stage(model, snapshot, camera, options);
   const Stage& stage = scaled_stage.stage;
-  const Lens lens{axes, scaled_stage.scale * (camera.eye - camera.target), 0.5 * scaled_stage.scale * camera.view_height,
-                  camera.orthographic};
+  const Lens lens{axes, scaled_stage.scale * (camera.eye - camera.target),
+                  0.5 * scaled_stage.scale * camera.view_height, camera.orthographic};
 
   Image image{options.width, options.height, {}};
   image.rgb.resize(3 * static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
@@ -119,11 +123,13 @@ Image render(const Model& model, const Snapshot& snapshot, const Camera& camera,
           fade = 1 - smooth_step(1.6, 4.0, point.norm() / lens.half_height);
         }
         const Radiance r = trace(stage, light, origin, direction, fade, {noise, s, options.samples, options.sky_rays});
-        sum += tone_mapped(r.colour + (1 - r.cover) * r.backdrop_shade * backdrop(x * options.height / options.width, y));
+        sum +=
+            tone_mapped(r.colour + (1 - r.cover) * r.backdrop_shade * backdrop(x * options.height / options.width, y));
       }
       std::uint8_t* pixel = &image.rgb[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(options.width) +
                                             static_cast<std::size_t>(column))];
-      for (int i = 0; i < 3; ++i) pixel[i] = static_cast<std::uint8_t>(std::lround(255 * srgb(sum[i] / options.samples)));
+      for (int i = 0; i < 3; ++i)
+        pixel[i] = static_cast<std::uint8_t>(std::lround(255 * srgb(sum[i] / options.samples)));
     }
   }
   if (options.legend) draw_legend(image, legend_entries(model, snapshot.time, options));

@@ -23,10 +23,11 @@ struct RenderOptions {
 
 /// The bodies of the model as they stand in `snapshot`.
 ///
-/// Grains are coloured by shape (palette.hpp), tools are grey. A tool that hides much of what moves, or hangs clear above
-/// all of it (a funnel), is drawn as glass and casts no shadow. The ground is the half-space that faces up, else a plane under
-/// the lowest tool; it shows shadows only. The same arguments give the same bytes at any thread count.
-/// Throws Error if model and snapshot do not belong together, a size is out of range, or `only` names no shape of the model.
+/// Grains are coloured by shape (palette.hpp), tools are grey. A tool that hides much of what moves, or hangs clear
+/// above all of it (a funnel), is drawn as glass and casts no shadow. The ground is the half-space that faces up, else
+/// a plane under the lowest tool; it shows shadows only. The same arguments give the same bytes at any thread count.
+/// Throws Error if model and snapshot do not belong together, a size is out of range, or `only` names no shape of the
+/// model.
 Image render(const Model& model, const Snapshot& snapshot, const Camera& camera, const RenderOptions& options = {});
 
 }  // namespace repose

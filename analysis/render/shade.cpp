@@ -38,8 +38,8 @@ Vec3 on_hemisphere(const Vec3& normal, const Direction& d) {
 }
 
 struct Incoming {
-  double sun = 0;        ///< share of the sun's light that arrives, with the cosine
-  double sky = 0;        ///< mean radiance of the sky that arrives
+  double sun = 0;  ///< share of the sun's light that arrives, with the cosine
+  double sky = 0;  ///< mean radiance of the sky that arrives
 };
 
 double sky_radiance(const Light& light, const Vec3& d) {
@@ -47,7 +47,8 @@ double sky_radiance(const Light& light, const Vec3& d) {
   return up + 0.22 * std::max(0.0, d.dot(light.fill));
 }
 
-Incoming gather(const Stage& stage, const Light& light, const Vec3& point, const Vec3& normal, const SampleIndex& index) {
+Incoming gather(const Stage& stage, const Light& light, const Vec3& point, const Vec3& normal,
+                const SampleIndex& index) {
   Incoming in;
   // Larger than the error of a single-precision hit, far smaller than a grain.
   const Vec3 start = point + (2e-3 + 2e-6 * point.cwiseAbs().maxCoeff()) * normal;

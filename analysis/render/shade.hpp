@@ -11,21 +11,21 @@ namespace repose {
 
 /// Everything a ray can meet, in lengths where a typical grain is about 1 and the camera's target is the origin.
 struct Stage {
-  RayScene solid;                  ///< casts shadows
-  RayScene glass;                  ///< tools in the way
-  std::vector<Vec3> colour;        ///< by RayHit::owner, linear RGB
-  std::optional<double> ground;    ///< height of the plane that shows shadows only
+  RayScene solid;                ///< casts shadows
+  RayScene glass;                ///< tools in the way
+  std::vector<Vec3> colour;      ///< by RayHit::owner, linear RGB
+  std::optional<double> ground;  ///< height of the plane that shows shadows only
 };
 
 /// Sun and sky stand relative to the camera, so that every view is lit from the upper left.
 struct Light {
-  Vec3 sun, fill;                  ///< unit vectors towards the sun and the brighter side of the sky
-  double open_sky = 1;             ///< mean sky radiance on a level plane that nothing shades
+  Vec3 sun, fill;       ///< unit vectors towards the sun and the brighter side of the sky
+  double open_sky = 1;  ///< mean sky radiance on a level plane that nothing shades
 };
 Light light_for(const CameraAxes& axes);
 
-/// Premultiplied linear RGB, and how much of the backdrop is hidden. `backdrop_shade` multiplies what is left of it (the
-/// shadow on the ground).
+/// Premultiplied linear RGB, and how much of the backdrop is hidden. `backdrop_shade` multiplies what is left of it
+/// (the shadow on the ground).
 struct Radiance {
   Vec3 colour = Vec3::Zero();
   double cover = 0;

@@ -53,7 +53,8 @@ double lowest(const std::vector<Solid>& solids) {
     if (const auto* revolved = std::get_if<Revolved>(&solid.primitive)) {
       const Vec3 axis = solid.pose.orientation * Vec3::UnitZ();
       const double tilt = std::hypot(axis.x(), axis.y());
-      for (const Vec2& p : revolved->profile) z = std::min(z, solid.pose.position.z() + p.y() * axis.z() - p.x() * tilt);
+      for (const Vec2& p : revolved->profile)
+        z = std::min(z, solid.pose.position.z() + p.y() * axis.z() - p.x() * tilt);
       continue;
     }
     if (const auto* box = std::get_if<Box>(&solid.primitive)) {
@@ -128,7 +129,8 @@ bool is_drawn(const Model& model, std::size_t body, double time, const RenderOpt
                                  model.names[static_cast<std::size_t>(b.name)]) == options.hide.end();
 }
 
-ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Camera& camera, const RenderOptions& options) {
+ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Camera& camera,
+                        const RenderOptions& options) {
   std::vector<std::size_t> moving, tools;
   std::optional<double> floor;
   std::vector<Vec3> colour(model.bodies.size(), tool_colour());
@@ -141,9 +143,12 @@ ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Came
       continue;
     }
     const auto* half = shape.parts.size() == 1 ? std::get_if<HalfSpace>(&shape.parts[0].primitive) : nullptr;
-    const Pose pose = Pose{snapshot.position[i], snapshot.orientation[i]}.compose(shape.parts.empty() ? Pose{} : shape.parts[0].pose);
-    if (half && (pose.orientation * half->normal).z() > 1 - 1e-9) floor = std::max(floor.value_or(-1e300), pose.position.z());
-    else tools.push_back(i);
+    const Pose pose =
+        Pose{snapshot.position[i], snapshot.orientation[i]}.compose(shape.parts.empty() ? Pose{} : shape.parts[0].pose);
+    if (half && (pose.orientation * half->normal).z() > 1 - 1e-9)
+      floor = std::max(floor.value_or(-1e300), pose.position.z());
+    else
+      tools.push_back(i);
   }
 
   const Drawing drawing{model, snapshot, camera.target, 1 / typical_size(model, moving, tools)};
@@ -151,12 +156,16 @@ ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Came
   std::vector<Solid> solid, clear, standing;
   for (const std::size_t i : moving) drawing.add(i, solid);
   for (const std::size_t i : tools) {
-    if (!shape_of(model, i).bounded()) drawing.add(i, solid);
-    else drawing.add(i, glass[i] ? clear : standing);
+    if (!shape_of(model, i).bounded())
+      drawing.add(i, solid);
+    else
+      drawing.add(i, glass[i] ? clear : standing);
   }
   std::optional<double> ground;
-  if (floor) ground = drawing.scale * (*floor - camera.target.z());
-  else if (!standing.empty()) ground = lowest(standing);
+  if (floor)
+    ground = drawing.scale * (*floor - camera.target.z());
+  else if (!standing.empty())
+    ground = lowest(standing);
   solid.insert(solid.end(), standing.begin(), standing.end());
   return {{RayScene(std::move(solid)), RayScene(std::move(clear)), std::move(colour), ground}, drawing.scale};
 }

@@ -12,7 +12,8 @@ struct ScaledStage {
   double scale = 1;
 };
 
-ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Camera& camera, const RenderOptions& options);
+ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Camera& camera,
+                        const RenderOptions& options);
 
 /// One shape alone, half a unit in radius, turned to show its form: the picture in a legend.
 Stage build_sample(const Shape& shape);

@@ -22,9 +22,12 @@ std::uint32_t next_code_point(std::string_view& text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
   std::size_t length = 1;
   std::uint32_t code = byte(0);
-  if (code >= 0xf0) length = 4, code &= 0x07U;
-  else if (code >= 0xe0) length = 3, code &= 0x0fU;
-  else if (code >= 0xc0) length = 2, code &= 0x1fU;
+  if (code >= 0xf0)
+    length = 4, code &= 0x07U;
+  else if (code >= 0xe0)
+    length = 3, code &= 0x0fU;
+  else if (code >= 0xc0)
+    length = 2, code &= 0x1fU;
   if (length > text.size()) length = 1;
   for (std::size_t i = 1; i < length; ++i) code = (code << 6U) | (byte(i) & 0x3fU);
   text.remove_prefix(length);
@@ -59,9 +62,10 @@ struct Typesetter::Impl {
 Typesetter::Typesetter() : impl_(std::make_unique<Impl>()) {
   const std::string_view font = embedded::font();
   if (FT_Init_FreeType(&impl_->library) != 0 ||
-      FT_New_Memory_Face(impl_->library, reinterpret_cast<const FT_Byte*>(font.data()), static_cast<FT_Long>(font.size()),
-                         0, &impl_->face) != 0)
-    throw Error("picture", "FreeType could not read the embedded font", "build again with the package fonts-dejavu-core");
+      FT_New_Memory_Face(impl_->library, reinterpret_cast<const FT_Byte*>(font.data()),
+                         static_cast<FT_Long>(font.size()), 0, &impl_->face) != 0)
+    throw Error("picture", "FreeType could not read the embedded font",
+                "build again with the package fonts-dejavu-core");
 }
 
 Typesetter::~Typesetter() = default;

@@ -14,7 +14,9 @@ nlohmann::json finite_or_null(double value) {
   return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
-std::string axis_title(const Axis& axis) { return axis.unit.empty() ? axis.label : axis.label + " [" + axis.unit + "]"; }
+std::string axis_title(const Axis& axis) {
+  return axis.unit.empty() ? axis.label : axis.label + " [" + axis.unit + "]";
+}
 
 nlohmann::json axis_json(const Axis& axis) { return {{"title", axis_title(axis)}, {"log", axis.logarithmic}}; }
 
@@ -84,8 +86,10 @@ std::string chart_json(const Chart& chart, std::size_t& left_out) {
   std::string safe;
   safe.reserve(text.size());
   for (const char c : text) {
-    if (c == '<') safe += "\\u003c";  // nothing inside can then end the script element
-    else safe += c;
+    if (c == '<')
+      safe += "\\u003c";  // nothing inside can then end the script element
+    else
+      safe += c;
   }
   return safe;
 }

@@ -28,7 +28,8 @@ std::string film_html(const std::string& title, const std::vector<FilmFrame>& fr
     throw Error("film", fmt::format("{} frames per second", frames_per_second), "give a positive rate");
   std::string data = fmt::format("{{\"rate\":{},\"frames\":[", frames_per_second);
   for (std::size_t i = 0; i < frames.size(); ++i)
-    data += fmt::format("{}{{\"time\":{},\"jpeg\":\"{}\"}}", i ? "," : "", frames[i].time, report::base64(frames[i].jpeg));
+    data +=
+        fmt::format("{}{{\"time\":{},\"jpeg\":\"{}\"}}", i ? "," : "", frames[i].time, report::base64(frames[i].jpeg));
   data += "]}";
   std::string page(embedded::film_page());
   replace_all(page, "@film@", data);

@@ -30,7 +30,8 @@ void check(const Chart& chart) {
   const std::string place = "chart '" + chart.title + "'";
   for (const Series& s : chart.series)
     if (s.x.size() != s.y.size() || (!s.error.empty() && s.error.size() != s.y.size()))
-      fail(place, fmt::format("series '{}' has {} x, {} y and {} error values", s.name, s.x.size(), s.y.size(), s.error.size()));
+      fail(place, fmt::format("series '{}' has {} x, {} y and {} error values", s.name, s.x.size(), s.y.size(),
+                              s.error.size()));
   for (const Band& b : chart.bands)
     if (!std::isfinite(b.value) || !(b.half_width >= 0) || !std::isfinite(b.half_width))
       fail(place, "the reference '" + b.name + "' is not a finite value with a half width of at least 0");
@@ -65,7 +66,8 @@ void Page::operator()(const Picture& picture) {
   if (std::string_view(picture.png).substr(0, signature.size()) != signature)
     fail("picture '" + picture.caption + "'", "its bytes are not a PNG file");
   const std::string alt = escaped(picture.alt.empty() ? picture.caption : picture.alt);
-  html += "<figure class=\"picture\"><img alt=\"" + alt + "\" src=\"data:image/png;base64," + base64(picture.png) + "\">";
+  html +=
+      "<figure class=\"picture\"><img alt=\"" + alt + "\" src=\"data:image/png;base64," + base64(picture.png) + "\">";
   if (!picture.caption.empty()) html += "<figcaption>" + escaped(picture.caption) + "</figcaption>";
   html += "</figure>\n";
 }
@@ -73,7 +75,8 @@ void Page::operator()(const Picture& picture) {
 void Page::series_table(const Chart& chart, const Series& series) {
   const std::size_t n = series.y.size(), step = std::max<std::size_t>(1, (n + most_table_rows - 1) / most_table_rows);
   const auto heading = [](const Axis& axis) {
-    return "<th scope=\"col\">" + escaped(axis.label) + (axis.unit.empty() ? "" : " [" + escaped(axis.unit) + "]") + "</th>";
+    return "<th scope=\"col\">" + escaped(axis.label) + (axis.unit.empty() ? "" : " [" + escaped(axis.unit) + "]") +
+           "</th>";
   };
   html += "<table><caption>" + escaped(series.name);
   if (step > 1) html += fmt::format(" (every {}th of {} points)", step, n);
@@ -94,12 +97,13 @@ void Page::operator()(const Chart& chart) {
   const std::string data = chart_json(chart, left_out);
   const std::string id = "chart-" + std::to_string(++charts);
   html += "<figure class=\"chart\"><h3 id=\"" + id + "-title\">" + escaped(chart.title) + "</h3>";
-  html += "<div class=\"plot\"><canvas id=\"" + id + "\" role=\"img\" aria-labelledby=\"" + id + "-title\"></canvas></div>";
+  html +=
+      "<div class=\"plot\"><canvas id=\"" + id + "\" role=\"img\" aria-labelledby=\"" + id + "-title\"></canvas></div>";
   html += "<script type=\"application/json\" class=\"chart-data\" data-canvas=\"" + id + "\">" + data + "</script>";
   std::string caption = escaped(chart.caption);
   if (left_out > 0)
-    caption += fmt::format(" {} point{} that a logarithmic axis cannot show {} left out.", left_out, left_out == 1 ? "" : "s",
-                           left_out == 1 ? "is" : "are");
+    caption += fmt::format(" {} point{} that a logarithmic axis cannot show {} left out.", left_out,
+                           left_out == 1 ? "" : "s", left_out == 1 ? "is" : "are");
   if (!caption.empty()) html += "<figcaption>" + caption + "</figcaption>";
   html += "<details><summary>Values</summary><div class=\"values\">\n";
   for (const Series& series : chart.series) series_table(chart, series);
@@ -125,12 +129,14 @@ void Page::operator()(const Table& table) {
   for (std::size_t c = 0; c < table.header.size(); ++c) {
     const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
                                      [&](const auto& row) { return c < row.size() && looks_numeric(row[c]); });
-    html += std::string("<th scope=\"col\"") + (numeric ? " class=\"n\"" : "") + ">" + escaped(table.header[c]) + "</th>";
+    html +=
+        std::string("<th scope=\"col\"") + (numeric ? " class=\"n\"" : "") + ">" + escaped(table.header[c]) + "</th>";
   }
   html += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) {
     if (row.size() != table.header.size())
-      fail("table '" + table.title + "'", fmt::format("a row has {} cells, the header {}", row.size(), table.header.size()));
+      fail("table '" + table.title + "'",
+           fmt::format("a row has {} cells, the header {}", row.size(), table.header.size()));
     html += "<tr>";
     for (const std::string& cell : row)
       html += std::string("<td") + (looks_numeric(cell) ? " class=\"n\"" : "") + ">" + escaped(cell) + "</td>";
@@ -187,18 +193,21 @@ std::string rounded(double value, std::optional<double> uncertainty) {
   const int exponent = static_cast<int>(std::floor(std::log10(*uncertainty)));
   const bool starts_with_one = *uncertainty / std::pow(10, exponent) < 1.95;
   const int places = (starts_with_one ? 2 : 1) - exponent;
-  if (places >= 0 && places <= 9 && std::abs(value) < 1e9) return fmt::format("{:.{}f} ± {:.{}f}", value, places, *uncertainty, places);
+  if (places >= 0 && places <= 9 && std::abs(value) < 1e9)
+    return fmt::format("{:.{}f} ± {:.{}f}", value, places, *uncertainty, places);
   return number(value, 6) + " ± " + number(*uncertainty, 2);
 }
 
 std::string to_html(const Report& report) {
   Page page;
   std::string& html = page.html;
-  html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
-         "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" + escaped(report.title) + "</title>\n<style>";
+  html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; "
+      "style-src 'unsafe-inline'; script-src 'unsafe-inline'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
+      escaped(report.title) + "</title>\n<style>";
   html += embedded::report_style();
   html += "</style>\n</head>\n<body>\n<main>\n<header><h1>" + escaped(report.title) + "</h1>";
   if (!report.subtitle.empty()) html += "<p class=\"subtitle\">" + escaped(report.subtitle) + "</p>";

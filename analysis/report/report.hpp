@@ -10,11 +10,11 @@ namespace repose::report {
 
 /// The answer, in large type: "32.9 ± 1.2 °".
 struct Headline {
-  std::string label;                   ///< "Angle of repose"
+  std::string label;  ///< "Angle of repose"
   double value = 0;
-  std::optional<double> uncertainty;   ///< in the unit of `value`, >= 0
-  std::string unit;                    ///< "°", "kg/m³"; may be empty
-  std::string note;                    ///< what the uncertainty is, what to compare with; may be empty
+  std::optional<double> uncertainty;  ///< in the unit of `value`, >= 0
+  std::string unit;                   ///< "°", "kg/m³"; may be empty
+  std::string note;                   ///< what the uncertainty is, what to compare with; may be empty
 };
 
 /// Paragraphs, parted by empty lines.
@@ -23,9 +23,9 @@ struct Text {
 };
 
 struct Picture {
-  std::string png;       ///< bytes of a PNG file
+  std::string png;  ///< bytes of a PNG file
   std::string caption;
-  std::string alt;       ///< what a blind reader must know; the caption if empty
+  std::string alt;  ///< what a blind reader must know; the caption if empty
 };
 
 struct Axis {
@@ -38,7 +38,7 @@ struct Series {
   enum class Style { points, line, line_and_points };
   std::string name;
   std::vector<double> x, y;
-  std::vector<double> error;   ///< half length of the vertical error bar; empty: none; NaN: none at this point
+  std::vector<double> error;  ///< half length of the vertical error bar; empty: none; NaN: none at this point
   Style style = Style::line;
   bool dashed = false;
 };
@@ -46,7 +46,7 @@ struct Series {
 /// A horizontal reference: a measured value with its uncertainty.
 struct Band {
   std::string name;
-  double value = 0, half_width = 0;   ///< half_width 0: a line
+  double value = 0, half_width = 0;  ///< half_width 0: a line
 };
 
 /// Drawn by the reader's browser, and given as a table below for who cannot see it.
@@ -55,13 +55,13 @@ struct Chart {
   Axis x, y;
   std::vector<Series> series;
   std::vector<Band> bands;
-  bool equal_scales = false;   ///< a metre is as long on x as on y (a heap's profile)
+  bool equal_scales = false;  ///< a metre is as long on x as on y (a heap's profile)
 };
 
 struct Table {
   std::string title;
   std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;   ///< each as long as the header; cells that are numbers go right
+  std::vector<std::vector<std::string>> rows;  ///< each as long as the header; cells that are numbers go right
   std::vector<std::string> notes;
 };
 
@@ -76,26 +76,26 @@ struct Listing {
 };
 
 struct Warnings {
-  std::vector<std::string> items;   ///< empty: nothing is shown
+  std::vector<std::string> items;  ///< empty: nothing is shown
 };
 
 using Block = std::variant<Text, Picture, Chart, Table, Settings, Listing, Warnings>;
 
 struct Section {
-  std::string heading;   ///< may be empty
+  std::string heading;  ///< may be empty
   std::vector<Block> blocks;
 };
 
 struct Report {
   std::string title, subtitle;
-  std::vector<Headline> headlines;   ///< the first is the largest
+  std::vector<Headline> headlines;  ///< the first is the largest
   std::vector<Section> sections;
 };
 
 /// One self-contained file: pictures, charts and the program that draws them are inside, and it forbids itself to load
-/// anything. Light and dark, printable. All text is escaped. A series of more than 4000 points is thinned for the chart, keeping the
-/// extremes of every stretch. Throws Error if arrays of a series or rows of a table differ in length, or a headline or a
-/// band is not finite.
+/// anything. Light and dark, printable. All text is escaped. A series of more than 4000 points is thinned for the
+/// chart, keeping the extremes of every stretch. Throws Error if arrays of a series or rows of a table differ in
+/// length, or a headline or a band is not finite.
 std::string to_html(const Report& report);
 
 /// "32.93 ± 1.15": the uncertainty to two digits (three if it begins with 1), the value to the same place. Without one:

@@ -32,7 +32,8 @@ struct VideoWriter::Impl {
     socket = -1;
     int status = -1;
     if (child > 0)
-      while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+      while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+      }
     child = -1;
     return status;
   }
@@ -63,10 +64,34 @@ VideoWriter::VideoWriter(std::filesystem::path file, int width, int height, doub
   impl_->socket = ends[0];
   const std::string size = fmt::format("{}x{}", width, height), rate = fmt::format("{}", frames_per_second);
   // H.264 with 4:2:0 colour, which every player knows, needs even sides.
-  std::vector<std::string> words{"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pixel_format", "rgb24",
-                                 "-video_size", size, "-framerate", rate, "-i", "pipe:0", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-                                 "-pix_fmt", "yuv420p", "-c:v", "libx264", "-crf", "20", "-movflags", "+faststart",
-                                 "-f", "mp4", "file:" + impl_->part.string()};
+  std::vector<std::string> words{"ffmpeg",
+                                 "-hide_banner",
+                                 "-loglevel",
+                                 "error",
+                                 "-y",
+                                 "-f",
+                                 "rawvideo",
+                                 "-pixel_format",
+                                 "rgb24",
+                                 "-video_size",
+                                 size,
+                                 "-framerate",
+                                 rate,
+                                 "-i",
+                                 "pipe:0",
+                                 "-vf",
+                                 "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                                 "-pix_fmt",
+                                 "yuv420p",
+                                 "-c:v",
+                                 "libx264",
+                                 "-crf",
+                                 "20",
+                                 "-movflags",
+                                 "+faststart",
+                                 "-f",
+                                 "mp4",
+                                 "file:" + impl_->part.string()};
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -114,8 +139,8 @@ void VideoWriter::finish() {
   if (status != 0 || problem) {
     std::error_code ignored;
     std::filesystem::remove(impl_->part, ignored);
-    throw Error(impl_->file.string(), "ffmpeg could not write the film", "see its message above, or choose --format html",
-                Error::Kind::simulation);
+    throw Error(impl_->file.string(), "ffmpeg could not write the film",
+                "see its message above, or choose --format html", Error::Kind::simulation);
   }
 }
 

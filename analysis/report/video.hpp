@@ -15,12 +15,12 @@ class VideoWriter {
 
   /// All pictures must have this size. Throws Error if ffmpeg cannot be started.
   VideoWriter(std::filesystem::path file, int width, int height, double frames_per_second);
-  ~VideoWriter();   ///< without finish() nothing is left behind
+  ~VideoWriter();  ///< without finish() nothing is left behind
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  void add(const Image& image);   ///< throws Error if ffmpeg gave up
-  void finish();                  ///< the file is there, complete, when it returns
+  void add(const Image& image);  ///< throws Error if ffmpeg gave up
+  void finish();                 ///< the file is there, complete, when it returns
 
  private:
   struct Impl;

@@ -22,7 +22,8 @@ inline Report sample_report(const std::string& png = "") {
   heap.blocks.push_back(Text{"A first paragraph.\n\nA second one."});
   report.sections.push_back(heap);
 
-  Chart profile{"Radial profile", "Mean over azimuths.", {"Radius", "mm", false}, {"Height", "mm", false}, {}, {}, true};
+  Chart profile{
+      "Radial profile", "Mean over azimuths.", {"Radius", "mm", false}, {"Height", "mm", false}, {}, {}, true};
   Series mean{"mean", {}, {}, {}, Series::Style::line_and_points, false};
   for (int i = 0; i < 26; ++i) {
     const double r = 0.05 * i;
@@ -32,7 +33,8 @@ inline Report sample_report(const std::string& png = "") {
   }
   profile.series = {mean, {"fit", {0.2, 1.1}, {0.713, 0.130}, {}, Series::Style::line, true}};
 
-  Chart solver{"Solver convergence", "", {"Time", "s", false}, {"Residual", "", true}, {}, {{"tolerance", 1e-3, 0}}, false};
+  Chart solver{"Solver convergence",     "",   {"Time", "s", false}, {"Residual", "", true}, {},
+               {{"tolerance", 1e-3, 0}}, false};
   Series residual{"residual", {}, {}, {}, Series::Style::line, false};
   for (int i = 0; i < 12000; ++i) {
     residual.x.push_back(5e-5 * i);
@@ -41,14 +43,23 @@ inline Report sample_report(const std::string& png = "") {
   residual.y[6000] = std::numeric_limits<double>::quiet_NaN();
   solver.series = {residual};
 
-  Chart table2{"Angle against rolling friction", "", {"ρ = σ", "1", false}, {"Angle", "°", false}, {},
+  Chart table2{"Angle against rolling friction",          "",   {"ρ = σ", "1", false}, {"Angle", "°", false}, {},
                {{"measured 32.93 ± 1.15°", 32.93, 1.15}}, false};
-  table2.series = {{"published", {0.05, 0.075, 0.09, 0.1}, {31.12, 32.72, 33.65, 34.97}, {}, Series::Style::line_and_points, true},
-                   {"simulated", {0.05, 0.075, 0.09, 0.1}, {30.8, 32.1, 33.2, 34.1}, {0.4, 0.5, 0.4, 0.45}, Series::Style::points, false}};
+  table2.series = {
+      {"published", {0.05, 0.075, 0.09, 0.1}, {31.12, 32.72, 33.65, 34.97}, {}, Series::Style::line_and_points, true},
+      {"simulated",
+       {0.05, 0.075, 0.09, 0.1},
+       {30.8, 32.1, 33.2, 34.1},
+       {0.4, 0.5, 0.4, 0.45},
+       Series::Style::points,
+       false}};
   report.sections.push_back({"Charts", {profile, solver, table2}});
 
   report.sections.push_back({"Numbers",
-                             {Table{"Table 2", {"ρ = σ", "published [°]", "remark"}, {{"0.05", "31.12", "<b>"}, {"0.1", "34.97", ""}}, {"A note."}},
+                             {Table{"Table 2",
+                                    {"ρ = σ", "published [°]", "remark"},
+                                    {{"0.05", "31.12", "<b>"}, {"0.1", "34.97", ""}},
+                                    {"A note."}},
                               Settings{"Settings", {{"time step", "50 µs"}, {"law", "exact"}}},
                               Listing{"The resolved scene", "materials:\n  pa12: {density: 1020}\n"}}});
   return report;

@@ -1,6 +1,6 @@
 #pragma once
-/// A heap to take pictures of: grains of the seven shapes dropped one by one, geometrically, into a cone on a base with a
-/// trench. No physics: each grain comes down vertically and stays where its ball first touches another.
+/// A heap to take pictures of: grains of the seven shapes dropped one by one, geometrically, into a cone on a base with
+/// a trench. No physics: each grain comes down vertically and stays where its ball first touches another.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,7 +18,7 @@ namespace repose::test {
 struct PictureHeap {
   std::size_t grains = 2000;
   double angle_deg = 33;
-  double diameter = 58e-6;   ///< mean of the grains [m]
+  double diameter = 58e-6;  ///< mean of the grains [m]
   bool funnel = false;
   bool base = true;
   std::uint32_t seed = 1;
@@ -41,11 +41,13 @@ inline Model picture_heap(const PictureHeap& heap) {
     for (const ToolBody& body : build_tool(tool)) builder.wall("wall", body.shape, body.pose).named(tool.name);
   };
   const double rim = d, width = 0.6 * foot + 2 * d, depth = 0.3 * foot;
-  if (heap.base)
-    add_tool({"base", "wall", Base{2 * foot, rim, d, width, depth, 1.5 * depth}, Vec3::Zero(), {}});
+  if (heap.base) add_tool({"base", "wall", Base{2 * foot, rim, d, width, depth, 1.5 * depth}, Vec3::Zero(), {}});
   if (heap.funnel)
-    add_tool({"funnel", "wall", Funnel{0.5 * foot, 30, 1.3 * foot, 0.2 * foot, 2 * d, 0, 1e300},
-              {0, 0, 1.5 * foot * slope}, {}});
+    add_tool({"funnel",
+              "wall",
+              Funnel{0.5 * foot, 30, 1.3 * foot, 0.2 * foot, 2 * d, 0, 1e300},
+              {0, 0, 1.5 * foot * slope},
+              {}});
 
   const std::vector<std::string>& names = grain_shape_names();
   std::vector<Shape> shapes;
@@ -63,14 +65,15 @@ inline Model picture_heap(const PictureHeap& heap) {
       for (int y = column(place.y()) - 1; y <= column(place.y()) + 1; ++y)
         for (const Ball& b : columns[{x, y}]) {
           const double reach = b.radius + radius, across2 = (place - b.centre.head<2>()).squaredNorm();
-          if (across2 < reach * reach) centre.z() = std::max(centre.z(), b.centre.z() + std::sqrt(reach * reach - across2));
+          if (across2 < reach * reach)
+            centre.z() = std::max(centre.z(), b.centre.z() + std::sqrt(reach * reach - across2));
         }
     return centre;
   };
   for (std::size_t i = 0; i < heap.grains; ++i) {
     const Shape& shape = shapes[i % shapes.size()];
     const double size = std::clamp(d * (1 + 0.26 * normal()), 0.52 * d, 1.72 * d);
-    const double radius = 0.47 * size;   // the ball of equal volume, a little inside: neighbours look as if in contact
+    const double radius = 0.47 * size;  // the ball of equal volume, a little inside: neighbours look as if in contact
     bool spilled = heap.base && i % 10 == 9;
     Vec3 centre = Vec3::Zero();
     for (int attempt = 0;; ++attempt) {

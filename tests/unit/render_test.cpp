@@ -38,9 +38,16 @@ TriMesh cube_mesh(double h) {
 Revolved ring_profile() { return {{{0.5, -0.5}, {1.2, -0.5}, {1.2, 0.6}, {0.9, 0.6}}}; }
 
 std::vector<Primitive> bounded_primitives() {
-  return {Sphere{0.8},         Ellipsoid{{1.2, 0.5, 0.7}}, RoundCone{0.6, 0, 1.2}, RoundCone{0.4, 0.7, 0.9},
-          RoundCone{0.8, 0.1, 0.9}, Cone{0.9, 1.3},        Box{{0.5, 0.8, 0.3}},   Cylinder{0.7, 0.9},
-          ring_profile(),      cube_mesh(0.7)};
+  return {Sphere{0.8},
+          Ellipsoid{{1.2, 0.5, 0.7}},
+          RoundCone{0.6, 0, 1.2},
+          RoundCone{0.4, 0.7, 0.9},
+          RoundCone{0.8, 0.1, 0.9},
+          Cone{0.9, 1.3},
+          Box{{0.5, 0.8, 0.3}},
+          Cylinder{0.7, 0.9},
+          ring_profile(),
+          cube_mesh(0.7)};
 }
 
 TEST(Intersect, closed_form_distances) {
@@ -124,8 +131,10 @@ TEST(RayScene, equals_brute_force) {
   std::vector<Solid> solids;
   const std::vector<Primitive> primitives = bounded_primitives();
   for (int i = 0; i < 200; ++i)
-    solids.push_back({primitives[static_cast<std::size_t>(i) % primitives.size()],
-                      {12 * vector(), Quat(normal(random), normal(random), normal(random), normal(random)).normalized()}, i});
+    solids.push_back(
+        {primitives[static_cast<std::size_t>(i) % primitives.size()],
+         {12 * vector(), Quat(normal(random), normal(random), normal(random), normal(random)).normalized()},
+         i});
   solids.push_back({HalfSpace{Vec3::UnitZ()}, {{0, 0, -20}, Quat::Identity()}, 200});
   const RayScene scene(solids);
   int hits = 0;
@@ -138,7 +147,8 @@ TEST(RayScene, equals_brute_force) {
     for (const Solid& solid : solids) {
       SurfaceHit hit;
       const Mat3 to_local = solid.pose.orientation.toRotationMatrix().transpose();
-      if (!intersect(solid.primitive, to_local * (origin - solid.pose.position), to_local * direction, 0, nearest, hit)) continue;
+      if (!intersect(solid.primitive, to_local * (origin - solid.pose.position), to_local * direction, 0, nearest, hit))
+        continue;
       nearest = hit.distance;
       owner = solid.owner;
     }

@@ -59,7 +59,13 @@ TEST(Report, escapes_every_text) {
   Report r;
   r.title = r.subtitle = nasty;
   r.headlines = {{nasty, 1, 0.1, nasty, nasty}};
-  Chart chart{nasty, nasty, {nasty, nasty, false}, {nasty, nasty, false}, {{nasty, {1}, {1}, {}, Series::Style::points, false}}, {{nasty, 1, 0}}, false};
+  Chart chart{nasty,
+              nasty,
+              {nasty, nasty, false},
+              {nasty, nasty, false},
+              {{nasty, {1}, {1}, {}, Series::Style::points, false}},
+              {{nasty, 1, 0}},
+              false};
   r.sections = {{nasty,
                  {Text{nasty}, chart, Table{nasty, {nasty}, {{nasty}}, {nasty}}, Settings{nasty, {{nasty, nasty}}},
                   Listing{nasty, nasty}, Warnings{{nasty}}}}};
@@ -101,7 +107,8 @@ TEST(ChartData, thinning_keeps_ends_extremes_and_gaps) {
   EXPECT_EQ(kept.front(), 0U);
   EXPECT_EQ(kept.back(), y.size() - 1);
   EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
-  for (const std::size_t wanted : {31415U, 27182U, 50000U}) EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), wanted));
+  for (const std::size_t wanted : {31415U, 27182U, 50000U})
+    EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), wanted));
   EXPECT_EQ(thinned(y, y.size()).size(), y.size());
 }
 
