@@ -1,0 +1,54 @@
+#pragma once
+/// A measured number beside the one known in closed form: checked, printed as a row of a table, and kept in the test's
+/// report.
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace repose::test {
+
+struct Answer {
+  std::string what;        ///< with its unit
+  double closed_form = 0;  ///< of continuous time
+  double measured = 0;
+  double tolerance = 1e-9;  ///< relative, against `discrete` on DVI, against `closed_form` elsewhere
+  /// What symplectic Euler with this step must give; NaN: the closed form itself.
+  double discrete = std::numeric_limits<double>::quiet_NaN();
+  double scale = 0;  ///< what errors are relative to; 0: the answer itself
+};
+
+/// The most that an engine other than DVI, with time stepping of its own, may be off.
+constexpr double other_engines = 0.03;
+
+inline void print_row(const std::string& what, double closed_form, double measured, double error, double tolerance) {
+  char closed[32], value[32], off[32], allowed[32];
+  std::snprintf(closed, sizeof closed, "%.9g", closed_form);
+  std::snprintf(value, sizeof value, "%.9g", measured);
+  std::snprintf(off, sizeof off, "%.1e", error);
+  std::snprintf(allowed, sizeof allowed, "%.0e", tolerance);
+  std::printf("| %s | %s | %s | %s | %s |\n", what.c_str(), closed, value, off, allowed);
+  testing::Test::RecordProperty(what, std::string(value) + " (closed form " + closed + ", relative error " + off + ")");
+}
+
+inline void expect_answer(const Answer& answer, const std::string& backend = "dvi") {
+  const bool exact = backend == "dvi";
+  const double wanted = exact && !std::isnan(answer.discrete) ? answer.discrete : answer.closed_form;
+  const double scale = answer.scale > 0 ? answer.scale : std::abs(wanted);
+  const double tolerance = exact ? answer.tolerance : std::max(answer.tolerance, other_engines);
+  const double error = std::abs(answer.measured - wanted) / scale;
+  print_row(answer.what, answer.closed_form, answer.measured, error, tolerance);
+  EXPECT_LE(error, tolerance) << answer.what << ": measured " << answer.measured << ", expected " << wanted;
+}
+
+/// A measured number without a closed form, for the table.
+inline void note(const std::string& what, double measured) {
+  char value[32];
+  std::snprintf(value, sizeof value, "%.6g", measured);
+  std::printf("| %s | - | %s | - | - |\n", what.c_str(), value);
+  testing::Test::RecordProperty(what, value);
+}
+
+}  // namespace repose::test
