@@ -12,7 +12,7 @@ class Drum : public OnEveryBackend {};
 REPOSE_ON_EVERY_BACKEND(Drum);
 
 constexpr double d = 0.02, g = 9.81, radius = 8 * d, width = 4 * d;
-constexpr int count = 380, first_grain = 3;
+constexpr int count = 360, first_grain = 3;
 
 /// Mean surface angle [deg] at the Froude number omega^2 R / g, after `turn_before` [rad], over the next `turn_during`.
 double surface_angle(const std::string& backend, double froude, double turn_before, double turn_during) {
@@ -26,9 +26,10 @@ double surface_angle(const std::string& backend, double froude, double turn_befo
   motion.start = settling;
   builder.wall("drum", tube(radius, -width, width, d), {Vec3::Zero(), turn(M_PI / 2, Vec3::UnitX())}, motion);
   builder.floor("glass", Vec3::UnitY(), {0, -width / 2, 0}).floor("glass", -Vec3::UnitY(), {0, width / 2, 0});
+  // Grains start along the whole width of the drum and beyond it is glass: a box that fits into the cylinder.
   FillRegion region;
-  region.lower = {-0.68 * radius, -width / 2, -0.68 * radius};
-  region.upper = {0.68 * radius, width / 2, 0.68 * radius};
+  region.lower = {-0.72 * radius, -width / 2, -0.68 * radius};
+  region.upper = {0.72 * radius, width / 2, 0.68 * radius};
   region.grow = false;
   rain(builder, "ball", region, count, d, 3);
   Simulation s(backend, builder.build(), usual(h, 3e-3));
