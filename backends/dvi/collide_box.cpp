@@ -81,6 +81,14 @@ bool collide_ellipsoid_box(const PlacedEllipsoid& a, const PlacedBox& b, const C
   const Vec3 lowered = e.cwiseProduct(turn.transpose() * from_box.normal);
   const Vec3 lowest = centre - turn * e.cwiseProduct(lowered) / lowered.norm();
   Vec3 p = lowest.cwiseMax(-half).cwiseMin(half);
+  // Straight over a face, and not deep: the lowest point and its foot on the face are the witness points.
+  const double over_face = from_box.distance - lowered.norm();
+  const Vec3 beside = (lowest.cwiseAbs() - half).cwiseProduct(Vec3::Ones() - from_box.normal.cwiseAbs());
+  if (from_box.normal.cwiseAbs().maxCoeff() == 1 && beside.maxCoeff() <= 0 && over_face > -0.2 * e.minCoeff()) {
+    const Vec3 outward = b.rotation * from_box.normal;
+    sink.add(b.centre + b.rotation * lowest - 0.5 * over_face * outward, -outward, over_face, 0);
+    return true;
+  }
   EllipsoidPoint now = nearest(p);
   for (int iteration = 0; iteration < 60; ++iteration) {
     const Vec3 g = turn * now.normal();
