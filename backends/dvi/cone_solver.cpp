@@ -18,9 +18,7 @@ constexpr int stagnation_iterations = 300;
 constexpr double stagnation_ratio = 0.98;
 constexpr double hopeless = 0.5;
 constexpr double negligible = 1e-2;  // of the tolerance
-// Over-relaxation pays where impulses are handed through many contacts: a fifth fewer sweeps in beds of grains at 1.3,
-// cycles from 1.5 on. A few contacts are solved at once without it.
-constexpr double over_relaxation = 1.3;
+// Momentum pays where impulses are handed through many contacts. A few contacts are solved at once without it.
 constexpr std::size_t many_contacts = 100;
 
 /// Watches the best residual; tells when it has stood still for too long.
@@ -64,7 +62,9 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
   StagnationWatch watch;
   Iterate<Real> best;
   const bool many = problem.contacts.size() > many_contacts;
-  double relaxation = many ? over_relaxation : 1.0;
+  std::optional<Momentum<Real>> momentum;
+  if (many && !gradient) momentum.emplace(packed);
+  double relaxation = 1;
   int stride = many ? 8 : 2;  // iterations between two looks at the residual, which costs about half an iteration
   // A warm start that meets the tolerance is improved all the same: what is left over would add up from step to step.
   const auto unfinished = [&] {
@@ -76,10 +76,16 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     if (gradient) {
       report.iterations += gradient->phase(std::max(n, 4));
     } else {
-      gauss_seidel(packed, options.law, n, relaxation, threads);
+      gauss_seidel(packed, options.law, n, relaxation, momentum ? &*momentum : nullptr, threads);
       report.iterations += n;
     }
+    const double before = report.residual;
     report.residual = residual(packed, options.law, threads);
+    if (momentum && report.residual > before) {
+      momentum->falter();
+    } else if (momentum) {
+      momentum->recover();
+    }
     stride = std::min(stride + 2, 16);
     if (report.cycling && report.residual < best.residual) {
       best.residual = report.residual;
@@ -87,7 +93,8 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     }
     if (watch.stands_still(report.residual, report.iterations)) {
       report.cycling = true;
-      relaxation = relaxation > 1 ? 1.0 : std::max(0.5, 0.7 * relaxation);
+      if (!momentum) relaxation = std::max(0.5, 0.7 * relaxation);
+      momentum.reset();
       gradient.reset();
     }
   }

@@ -24,7 +24,7 @@ struct SolveReport {
 /// precision velocities, so convergence is never claimed beyond what rounding allows.
 ///
 /// Cycling: the exact law is not a minimisation, and its fixed point may cycle. If the best residual has not fallen by 2 %
-/// in 300 iterations, `cycling` is set and over-relaxation ends; then the changes are damped, by 0.7 and 0.5 (the projected
+/// in 300 iterations, `cycling` is set and momentum ends; then the changes are damped, by 0.7 and 0.5 (the projected
 /// gradients fall back to Gauss-Seidel). If even that stands still until max_iterations, the best iterate is kept; if its
 /// residual is above 0.5, the relaxed law is solved for this step instead. `converged` always speaks of the exact law's
 /// residual unless the relaxed law was asked for.

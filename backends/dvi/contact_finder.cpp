@@ -145,35 +145,44 @@ double ContactFinder::reach_of_pair(const BodyPlacement& placement, double step,
   return std::max(step * approach + slack(a, b), search_margin_ * pair_cohesion_range(a, b));
 }
 
-void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
-  const std::size_t chunks = (dynamic_.size() + chunk_size - 1) / chunk_size;
-  chunk_.resize(std::max(chunk_.size(), chunks));
+template <class Search>
+void ContactFinder::each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search) {
+  chunks.resize(count);
 #pragma omp parallel num_threads(threads) if (threads > 1)
   {
     std::vector<ContactPoint> scratch;
 #pragma omp for schedule(dynamic)
-    for (std::ptrdiff_t chunk = 0; chunk < static_cast<std::ptrdiff_t>(chunks); ++chunk) {
-      std::vector<FoundContact>& out = chunk_[static_cast<std::size_t>(chunk)];
-      out.clear();
-      const std::size_t first = static_cast<std::size_t>(chunk) * chunk_size;
-      for (std::size_t at = first; at < std::min(first + chunk_size, dynamic_.size()); ++at) {
-        const std::int32_t body = dynamic_[at];
-        const auto i = static_cast<std::size_t>(body);
-        if (!present_[i]) continue;
-        for (std::int32_t tool : prescribed_) {
-          const auto t = static_cast<std::size_t>(tool);
-          if (!present_[t]) continue;
-          collide_bodies(placement, step, body, tool, scratch, out);
-        }
-      }
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(count); ++i) {
+      chunks[static_cast<std::size_t>(i)].found.clear();
+      search(static_cast<std::size_t>(i), scratch);
     }
   }
-  tool_contacts_.clear();
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-    tool_contacts_.insert(tool_contacts_.end(), chunk_[chunk].begin(), chunk_[chunk].end());
 }
 
-void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
+void ContactFinder::gather(const std::vector<Chunk>& chunks, std::vector<FoundContact>& out) {
+  for (const Chunk& chunk : chunks) out.insert(out.end(), chunk.found.begin(), chunk.found.end());
+}
+
+void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
+  const std::size_t chunks = (dynamic_.size() + chunk_size - 1) / chunk_size;
+  each_chunk(tool_chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
+    Chunk& chunk = tool_chunk_[number];
+    chunk.near.clear();
+    const std::size_t first = number * chunk_size;
+    for (std::size_t at = first; at < std::min(first + chunk_size, dynamic_.size()); ++at) {
+      const std::int32_t body = dynamic_[at];
+      if (!present_[static_cast<std::size_t>(body)]) continue;
+      for (std::int32_t tool : prescribed_)
+        if (present_[static_cast<std::size_t>(tool)] &&
+            collide_bodies(placement, step, body, tool, scratch, chunk.found))
+          chunk.near.push_back({body, tool});
+    }
+  });
+  tool_contacts_.clear();
+  gather(tool_chunk_, tool_contacts_);
+}
+
+bool ContactFinder::collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
                                    std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const {
   if (a > b) std::swap(a, b);
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
@@ -181,7 +190,7 @@ void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, 
   const double bodies_reach = bound_[i] + bound_[j] + margin;
   if (std::isfinite(bodies_reach) &&
       (placement.position[j] - placement.position[i]).squaredNorm() > bodies_reach * bodies_reach)
-    return;
+    return false;
   const double late = slack(a, b), cohesion = pair_cohesion_range(a, b);
   const std::uint64_t bodies = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
   const auto closes = [&](const ContactPoint& point) {
@@ -212,13 +221,15 @@ void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, 
       } else {
         collide(x.primitive, y.primitive, margin, scratch);
       }
-      const std::uint64_t part_pair = static_cast<std::uint64_t>(p - first_part_[i]) << 48 |
-                                      static_cast<std::uint64_t>(q - first_part_[j]) << 32;
+      const std::uint64_t part_pair =
+          static_cast<std::uint64_t>(p - first_part_[i]) << 48 | static_cast<std::uint64_t>(q - first_part_[j]) << 32;
       for (const ContactPoint& point : scratch) {
-        if (!closes(point) || gate_open(model_.bodies[i], point.gap) || gate_open(model_.bodies[j], point.gap)) continue;
+        if (!closes(point) || gate_open(model_.bodies[i], point.gap) || gate_open(model_.bodies[j], point.gap))
+          continue;
         out.push_back({{bodies, part_pair | point.feature}, point});
       }
     }
+  return true;
 }
 
 const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placement, double step, double search_margin,
@@ -235,35 +246,45 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
     const auto body = static_cast<std::size_t>(i);
     centre_.push_back(placement.position[body]);
     // The stir bounds the difference of any two velocities nearby, so this covers the reach of every pair.
-    reach_.push_back(bound_[body] + search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + base_margin_[body], widest_cohesion_));
+    reach_.push_back(bound_[body] +
+                     search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + base_margin_[body],
+                                              widest_cohesion_));
   }
   broad_.build(centre_, reach_);
   order_.clear();
   for (std::int32_t i : broad_.order()) order_.push_back(dynamic_[static_cast<std::size_t>(i)]);
 
   const std::size_t chunks = (order_.size() + chunk_size - 1) / chunk_size;
-  chunk_.resize(std::max(chunk_.size(), chunks));
-#pragma omp parallel num_threads(threads) if (threads > 1)
-  {
-    std::vector<ContactPoint> scratch;
-#pragma omp for schedule(dynamic)
-    for (std::ptrdiff_t chunk = 0; chunk < static_cast<std::ptrdiff_t>(chunks); ++chunk) {
-      std::vector<FoundContact>& out = chunk_[static_cast<std::size_t>(chunk)];
-      out.clear();
-      const std::size_t first = static_cast<std::size_t>(chunk) * chunk_size;
-      for (std::size_t rank = first; rank < std::min(first + chunk_size, order_.size()); ++rank) {
-        const std::int32_t a = order_[rank];
-        if (!present_[static_cast<std::size_t>(a)]) continue;
-        broad_.partners(rank, [&](std::int32_t other) {
-          const std::int32_t b = dynamic_[static_cast<std::size_t>(other)];
-          if (present_[static_cast<std::size_t>(b)]) collide_bodies(placement, step, a, b, scratch, out);
-        });
-      }
+  each_chunk(chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
+    Chunk& chunk = chunk_[number];
+    chunk.near.clear();
+    const std::size_t first = number * chunk_size;
+    for (std::size_t rank = first; rank < std::min(first + chunk_size, order_.size()); ++rank) {
+      const std::int32_t a = order_[rank];
+      if (!present_[static_cast<std::size_t>(a)]) continue;
+      broad_.partners(rank, [&](std::int32_t other) {
+        const std::int32_t b = dynamic_[static_cast<std::size_t>(other)];
+        if (present_[static_cast<std::size_t>(b)] && collide_bodies(placement, step, a, b, scratch, chunk.found))
+          chunk.near.push_back({a, b});
+      });
     }
-  }
+  });
   found_ = tool_contacts_;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-    found_.insert(found_.end(), chunk_[chunk].begin(), chunk_[chunk].end());
+  gather(chunk_, found_);
+  return found_;
+}
+
+const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& placement, int threads) {
+  place_parts(placement, threads);
+  std::fill(stir_.begin(), stir_.end(), 0.0);
+  found_.clear();
+  for (std::vector<Chunk>* chunks : {&tool_chunk_, &chunk_}) {
+    each_chunk(*chunks, chunks->size(), threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
+      Chunk& chunk = (*chunks)[number];
+      for (const BodyPair& pair : chunk.near) collide_bodies(placement, 0, pair.a, pair.b, scratch, chunk.found);
+    });
+    gather(*chunks, found_);
+  }
   return found_;
 }
 

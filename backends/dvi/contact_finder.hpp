@@ -11,8 +11,8 @@ namespace repose::dvi {
 
 /// What tells one contact from all others, for as long as it lasts.
 struct ContactId {
-  std::uint64_t bodies = 0;   ///< a << 32 | b, a < b
-  std::uint64_t features = 0; ///< part of a << 48 | part of b << 32 | feature
+  std::uint64_t bodies = 0;    ///< a << 32 | b, a < b
+  std::uint64_t features = 0;  ///< part of a << 48 | part of b << 32 | feature
   bool operator==(const ContactId&) const = default;
 
   std::int32_t a() const { return static_cast<std::int32_t>(bodies >> 32); }
@@ -21,17 +21,17 @@ struct ContactId {
 
 struct FoundContact {
   ContactId id;
-  ContactPoint point;   ///< normal from a to b
+  ContactPoint point;  ///< normal from a to b
 };
 
 /// A model's bodies in the caller's unit of length: what the finder needs to know of the state.
 struct BodyPlacement {
-  std::vector<Vec3> position;     ///< of every body
+  std::vector<Vec3> position;  ///< of every body
   std::vector<Mat3> rotation;
-  std::vector<Vec3> velocity;     ///< of every body after the forces of the step, without contacts
+  std::vector<Vec3> velocity;  ///< of every body after the forces of the step, without contacts
   std::vector<Vec3> angular_velocity;
   std::vector<double> turning_speed;  ///< bound on the speed of its points about its centre
-  std::vector<char> present;      ///< 0: the body does not exist at this time
+  std::vector<char> present;          ///< 0: the body does not exist at this time
 };
 
 class ContactFinder {
@@ -39,14 +39,18 @@ class ContactFinder {
   /// `unit`: length of the caller's unit [m]. The model must outlive the finder.
   ContactFinder(const Model& model, double unit);
 
-  /// Every contact that can close within the step: those with tools first, then those of free bodies in spatial order. Kept
-  /// are contacts within the cohesion range, and those with
+  /// Every contact that can close within the step: those with tools first, then those of free bodies in spatial order.
+  /// Kept are contacts within the cohesion range, and those with
   ///   gap + step * u_n  <=  search_margin * (step * stir / 4 + a fiftieth of the smaller radius)
   /// where u_n is the normal velocity that the two would have without contacts, and stir the largest difference of two
   /// velocities found near them (within about two of the largest diameters, a touched tool's velocity included): what a
-  /// blow that is handed on within the step may add. Grains that fall side by side are no contacts. Deterministic at any
-  /// thread count.
+  /// blow that is handed on within the step may add. Grains that fall side by side are no contacts. Deterministic at
+  /// any thread count.
   const std::vector<FoundContact>& find(const BodyPlacement& placement, double step, double search_margin, int threads);
+
+  /// Contacts of the pairs that the last `find` looked at, at a new placement of the same bodies (the end of the step):
+  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search.
+  const std::vector<FoundContact>& find_again(const BodyPlacement& placement, int threads);
 
   /// Dynamic bodies in spatial order (of the last call).
   const std::vector<std::int32_t>& order() const { return order_; }
@@ -65,18 +69,32 @@ class ContactFinder {
   double pair_cohesion_range(std::int32_t a, std::int32_t b) const;
   double slack(std::int32_t a, std::int32_t b) const;
   double reach_of_pair(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b) const;
-  void collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
+  struct BodyPair {
+    std::int32_t a, b;
+  };
+  /// What one thread looks at and finds at a time.
+  struct Chunk {
+    std::vector<BodyPair> near;  ///< pairs within reach of each other
+    std::vector<FoundContact> found;
+  };
+
+  /// True if the two are within reach: then their contacts are appended.
+  bool collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
                       std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const;
+  /// Runs `search(chunk number, scratch)` for `count` chunks of `chunks`.
+  template <class Search>
+  static void each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search);
+  static void gather(const std::vector<Chunk>& chunks, std::vector<FoundContact>& out);
 
   const Model& model_;
   double unit_;
   std::vector<std::int32_t> dynamic_, prescribed_;
-  std::vector<std::int32_t> first_part_;   ///< per body, plus the end
+  std::vector<std::int32_t> first_part_;  ///< per body, plus the end
   std::vector<PlacedPart> parts_;
-  std::vector<double> bound_;              ///< per body: ball about its position
-  std::vector<double> stir_;               ///< per body: largest difference of two velocities near it, times the step
-  std::vector<double> base_margin_;        ///< per body
-  std::vector<double> cohesion_range_;     ///< per pair of materials
+  std::vector<double> bound_;           ///< per body: ball about its position
+  std::vector<double> stir_;            ///< per body: largest difference of two velocities near it, times the step
+  std::vector<double> base_margin_;     ///< per body
+  std::vector<double> cohesion_range_;  ///< per pair of materials
   double widest_cohesion_ = 0;
   double search_margin_ = 1;
   std::vector<char> present_;
@@ -84,7 +102,7 @@ class ContactFinder {
   std::vector<Vec3> centre_;
   std::vector<double> reach_;
   std::vector<std::int32_t> order_;
-  std::vector<std::vector<FoundContact>> chunk_;
+  std::vector<Chunk> tool_chunk_, chunk_;
   std::vector<FoundContact> tool_contacts_, found_;
 };
 

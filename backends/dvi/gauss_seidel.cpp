@@ -6,7 +6,7 @@ namespace repose::dvi {
 
 namespace {
 
-constexpr int max_passes = 4;          // over one block, within one visit
+constexpr int max_passes = 4;            // over one block, within one visit
 constexpr double block_tolerance = 0.3;  // of the first change: the next sweep finds the rest
 
 template <class Real>
@@ -30,8 +30,8 @@ template <class Real>
 
 /// Projected step of two rows on the disc of radius `limit`. Returns the squared change.
 template <class Real, int Rows>
-[[gnu::always_inline]] inline V<Real> disc_step(const Batch<Real>& c, int i, const V<Real>& inverse, const V<Real>& limit,
-                                                V<Real>* g, V<Real>* u) {
+[[gnu::always_inline]] inline V<Real> disc_step(const Batch<Real>& c, int i, const V<Real>& inverse,
+                                                const V<Real>& limit, V<Real>* g, V<Real>* u) {
   V<Real> x = g[i] - inverse * u[i], y = g[i + 1] - inverse * u[i + 1];
   V<Real> length = x * x + y * y;
   square_root<Real>(length);
@@ -66,12 +66,19 @@ template <class Real, bool Rotational>
     inverse_r = inverse_top_eigenvalue<Real>(c.w[block_index(3, 3)], c.w[block_index(3, 4)], c.w[block_index(4, 4)]);
     inverse_s = Real(1) / c.w[block_index(5, 5)];
   }
-  V<Real> first{};
+  // Where friction turns into normal velocity (mu or rho near 1, contacts off the centre) the pressure may swing between
+  // two values for ever: each swing that does not fade halves its step.
+  V<Real> first{}, before{}, share = fill<Real>(1);
+  const V<Real> half = fill<Real>(Real(0.5));
   for (int pass = 0; pass < max_passes; ++pass) {
     const V<Real> p_old = g[0] + c.cohesion;
     V<Real> p = p_old - inverse_n * u[0];
     p = p > zero ? p : zero;
-    const V<Real> d = p - p_old;
+    V<Real> d = p - p_old;
+    share = d * before < -half * before * before ? half * share : share;
+    d = share * d;
+    p = p_old + d;
+    before = d;
     g[0] += d;
     add_column<Real, rows>(c, 0, d, u);
     V<Real> change = d * d;
@@ -117,32 +124,6 @@ template <class Real, bool Rotational>
   }
 }
 
-/// Shortens one friction part of an over-relaxed impulse to its disc.
-template <class Real>
-[[gnu::always_inline]] inline void shorten(const V<Real>& limit, V<Real>& x, V<Real>& y) {
-  V<Real> length = x * x + y * y;
-  square_root<Real>(length);
-  const V<Real> one = fill<Real>(1);
-  const V<Real> factor = length > limit ? limit / length : one;
-  x = x * factor;
-  y = y * factor;
-}
-
-/// Returns an over-relaxed impulse to the cone: the pressure first, then each friction part to its disc.
-template <class Real, bool Rotational>
-[[gnu::always_inline]] inline void pull_back(const Batch<Real>& c, V<Real>* g) {
-  const V<Real> zero{};
-  V<Real> p = g[0] + c.cohesion;
-  p = p > zero ? p : zero;
-  g[0] = p - c.cohesion;
-  shorten<Real>(c.friction * p, g[1], g[2]);
-  if constexpr (Rotational) {
-    shorten<Real>(c.rolling * p, g[3], g[4]);
-    V<Real> none{};
-    shorten<Real>(c.spinning * p, g[5], none);
-  }
-}
-
 template <class Real, bool Rotational, bool Exact>
 void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
   constexpr int rows = Rotational ? 6 : 3;
@@ -161,7 +142,6 @@ void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
   }
 #pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) g[k] = c.impulse[k] + relaxation * (g[k] - c.impulse[k]);
-  pull_back<Real, Rotational>(c, g);
 #pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) {
     const V<Real> d = g[k] - c.impulse[k];
@@ -178,9 +158,9 @@ void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
 }
 
 template <class Real, bool Rotational, bool Exact>
-void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, int threads) {
+void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, Momentum<Real>* momentum, int threads) {
 #pragma omp parallel num_threads(threads) if (threads > 1)
-  for (int s = 0; s < sweeps; ++s)
+  for (int s = 0; s < sweeps; ++s) {
     for (int colour = 0; colour < packed.colours(); ++colour) {
       const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
       const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
@@ -188,23 +168,31 @@ void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, int threads
       for (std::int32_t i = first; i < last; ++i)
         visit<Real, Rotational, Exact>(packed, packed.batches[static_cast<std::size_t>(i)], relaxation);
     }
+    if (momentum == nullptr) continue;
+    const bool move = s + 1 < sweeps;  // what is handed out stays in the cones
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t block = 0; block < momentum->blocks(); ++block) momentum->extrapolate(packed, block, move);
+#pragma omp single
+    momentum->advance(move);
+  }
 }
 
 }  // namespace
 
 template <class Real>
-void gauss_seidel(PackedProblem<Real>& packed, ContactLaw law, int sweeps, double relaxation, int threads) {
+void gauss_seidel(PackedProblem<Real>& packed, ContactLaw law, int sweeps, double relaxation, Momentum<Real>* momentum,
+                  int threads) {
   with_rows(packed, [&](auto rotational) {
     constexpr bool rows = decltype(rotational)::value;
     if (law == ContactLaw::exact) {
-      sweep<Real, rows, true>(packed, sweeps, static_cast<Real>(relaxation), threads);
+      sweep<Real, rows, true>(packed, sweeps, static_cast<Real>(relaxation), momentum, threads);
     } else {
-      sweep<Real, rows, false>(packed, sweeps, static_cast<Real>(relaxation), threads);
+      sweep<Real, rows, false>(packed, sweeps, static_cast<Real>(relaxation), momentum, threads);
     }
   });
 }
 
-template void gauss_seidel(PackedProblem<double>&, ContactLaw, int, double, int);
-template void gauss_seidel(PackedProblem<float>&, ContactLaw, int, double, int);
+template void gauss_seidel(PackedProblem<double>&, ContactLaw, int, double, Momentum<double>*, int);
+template void gauss_seidel(PackedProblem<float>&, ContactLaw, int, double, Momentum<float>*, int);
 
 }  // namespace repose::dvi

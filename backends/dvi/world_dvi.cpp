@@ -322,7 +322,7 @@ class WorldDvi final : public World {
     resting_.assign(n, Vec3::Zero());
     for (std::size_t i = 0; i < n; ++i) rotation_[i] = orientation_[i].toRotationMatrix();
     const std::vector<FoundContact>& found =
-        finder_.find(placement(resting_, resting_), 0.0, options_.search_margin, options_.threads);
+        finder_.find_again(placement(resting_, resting_), options_.threads);
     double deepest = 0;  // over R*
     for (const FoundContact& contact : found) deepest = std::max(deepest, -contact.point.gap / arm_of(contact));
     if (deepest <= penetration_slop) return false;

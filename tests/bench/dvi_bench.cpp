@@ -217,11 +217,12 @@ void sweep_cost(const Case& tile, const std::string& rows, const std::vector<int
       PackedProblem<float> packed = pack<float>(c.problem, colouring, c.warm, threads);
       const double contacts = static_cast<double>(c.problem.contacts.size());
       const int sweeps = std::max(4, static_cast<int>(2e6 / contacts));
-      gauss_seidel(packed, ContactLaw::exact, 2, 1.0, threads);
+      gauss_seidel<float>(packed, ContactLaw::exact, 2, 1.0, nullptr, threads);
+      Momentum<float> momentum(packed);
       std::vector<double> time;
       for (int run = 0; run < 5; ++run) {
         const double start = seconds_now();
-        gauss_seidel(packed, ContactLaw::exact, sweeps, 1.0, threads);
+        gauss_seidel(packed, ContactLaw::exact, sweeps, 1.0, &momentum, threads);
         time.push_back((seconds_now() - start) / sweeps / contacts);
       }
       // Read and write the batch's impulses, read the rest; two bodies' velocities both ways and inverse masses one way.
