@@ -28,7 +28,7 @@ inline void print_row(const std::string& what, double closed_form, double measur
   std::snprintf(closed, sizeof closed, "%.9g", closed_form);
   std::snprintf(value, sizeof value, "%.9g", measured);
   std::snprintf(off, sizeof off, "%.1e", error);
-  std::snprintf(allowed, sizeof allowed, "%.0e", tolerance);
+  std::snprintf(allowed, sizeof allowed, "%.2g", tolerance);
   std::printf("| %s | %s | %s | %s | %s |\n", what.c_str(), closed, value, off, allowed);
   testing::Test::RecordProperty(what, std::string(value) + " (closed form " + closed + ", relative error " + off + ")");
 }
