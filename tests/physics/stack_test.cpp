@@ -98,25 +98,64 @@ TEST_P(Stack, HeavyOnTop) {
       options.kind = SolverKind::barzilai_borwein;
       options.max_iterations = 10000;
       const Cost cost = stand(GetParam(), model, options, 100);
-      const std::string name = named(cubes, ratio) + ", to 1e-6";
+      const std::string name = named(cubes, ratio) + ", Barzilai-Borwein to 1e-6";
       tell(name, cost);
       EXPECT_LE(cost.residual, 1e-6) << name;
-      expect_answer({name + ": mean base load / weight", 1, cost.load, 1e-2}, GetParam());
+      expect_answer({name + ": mean base load / weight", 1, cost.load, 1e-3}, GetParam());
       expect_answer({name + ": largest penetration / side", 0, cost.depth, 1e-4, 0, 1}, GetParam());
       expect_answer({name + ": height of the top / side", 9.5, cost.height, 1e-4}, GetParam());
     }
 }
 
-TEST_P(Stack, SpheresStandAtTheDefaults) {
+TEST_P(Stack, WhatSweepsCostWithHeavyOnTop) {
   for (const double ratio : {1.0, 10.0, 100.0, 1000.0}) {
     const Model model = stack(false, ratio);
     REPOSE_SKIP_UNSUPPORTED(model);
-    const Cost cost = stand(GetParam(), model, usual(1e-3), 500);
-    const std::string name = named(false, ratio) + ", defaults";
+    SolverOptions options = usual(1e-3, 1e-6);
+    options.max_iterations = 20000;
+    auto s = simulation(model, options);
+    s.step();
+    const std::string name = named(false, ratio) + ", Gauss-Seidel, cold step";
+    note(name + ": iterations, at most 20000", s.report().iterations);
+    note(name + ": residual", s.report().residual);
+    // What is not reached has to be said.
+    EXPECT_EQ(s.report().converged, s.report().residual <= 1e-6) << name;
+    EXPECT_LE(s.report().residual, 2e-5) << name;
+  }
+}
+
+// The residual is relative to the impulses, the top's weight: at a tolerance t, light bodies may part or close at
+// speeds of the order t * ratio * g h. So a heavy top sinks and rises at a few g h about its place, over some 200
+// steps; the load is a mean over many of these, and the mean follows from the top's last speed alone. A tower of cubes
+// can also buckle, and under a top of 1,000 times it does at the default tolerance: it needs a tenth of that.
+TEST_P(Stack, StandsAtUsualTolerances) {
+  struct Case {
+    bool cubes;
+    double ratio, tolerance;
+  };
+  for (const Case& c : {Case{false, 1, 1e-3},
+                        {false, 10, 1e-3},
+                        {false, 100, 1e-3},
+                        {false, 1000, 1e-3},
+                        {true, 1, 1e-3},
+                        {true, 10, 1e-3},
+                        {true, 100, 1e-3},
+                        {true, 1000, 1e-4}}) {
+    const Model model = stack(c.cubes, c.ratio);
+    REPOSE_SKIP_UNSUPPORTED(model);
+    const Cost cost = stand(GetParam(), model, usual(1e-3, c.tolerance), c.cubes ? 500 : 2000);
+    const std::string name = named(c.cubes, c.ratio) + (c.tolerance < 1e-3 ? ", tolerance 1e-4" : ", defaults");
     tell(name, cost);
     expect_answer({name + ": mean base load / weight", 1, cost.load, 0.01}, GetParam());
     expect_answer({name + ": height of the top / side", 9.5, cost.height, 0.01}, GetParam());
   }
+}
+
+TEST_P(Stack, ATowerOfCubesUnderAThousandTimesNeedsATighterTolerance) {
+  const Model model = stack(true, 1000);
+  REPOSE_SKIP_UNSUPPORTED(model);
+  note("ten cubes, top 1000 x, defaults: height of the top after 0.5 s / side, a limit",
+       stand(GetParam(), model, usual(1e-3), 500).height);
 }
 
 }  // namespace
