@@ -1,7 +1,10 @@
 /// The same bytes at any thread count, and after save and restore; the same answer with a wider search.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <limits>
+#include <string>
 
 #include "core/random.hpp"
 #include "tests/physics/answer.hpp"
@@ -38,9 +41,9 @@ bool same_forces(const std::vector<Contact>& a, const std::vector<Contact>& b) {
   return true;
 }
 
-/// Touching grains, a few hundred, that are knocked about: enough contacts for the solver to wake a second thread.
+/// Touching grains that are knocked about: enough bodies and contacts for a second thread to be woken.
 Model knocked_lattice() {
-  Model model = lattice(8, 8, 0.02, everything);
+  Model model = lattice(10, 8, 0.02, everything);
   Random random(2, 0);
   for (std::size_t i = 1; i < model.bodies.size(); ++i)
     model.initial.velocity[i] = 0.2 * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
@@ -53,20 +56,25 @@ TEST_P(Reproducibility, OneThreadAndTwoGiveTheSameBytes) {
   for (const SolverKind kind : {SolverKind::gauss_seidel, SolverKind::apgd, SolverKind::barzilai_borwein}) {
     SolverOptions options = usual(1e-3);
     options.kind = kind;
-    options.max_iterations = 40;
+    options.max_iterations = 20;
     auto one = simulation(model, options);
     options.threads = 2;
     auto two = simulation(model, options);
-    for (int i = 0; i < 20; ++i) {
+    int fewest = std::numeric_limits<int>::max();
+    for (int i = 0; i < 6; ++i) {
       one.step();
       two.step();
       ASSERT_EQ(one.report().iterations, two.report().iterations) << "step " << i;
       ASSERT_EQ(one.report().residual, two.report().residual) << "step " << i;
+      fewest = std::min(fewest, one.report().contacts);
     }
     EXPECT_TRUE(same_state(one.state(), two.state()));
     EXPECT_TRUE(same_forces(one.contacts(), two.contacts()));
+    note("800 grains at 1 and 2 threads, same bytes after 6 steps, solver " + std::to_string(static_cast<int>(kind)) +
+             ": fewest contacts",
+         fewest);
     // Fewer than a thousand contacts are not given to a second thread.
-    EXPECT_GT(one.report().contacts, 1000);
+    EXPECT_GT(fewest, 1000);
   }
 }
 
@@ -111,35 +119,83 @@ TEST_P(Reproducibility, SavedInTheMiddleOfImpactsItContinuesToo) {
   }
 }
 
-/// Grains fall into a heap: a wider search finds more pairs, none of which may act. Largest shift / R of 64 grains.
-double shift_by_margin(const std::string& backend, const PairLaw& law) {
-  const Model model = pile({.count = 64, .law = law});
-  SolverOptions options = precise(1e-3);
-  Simulation narrow(backend, model, options);
-  options.search_margin = 2;
-  Simulation wide(backend, model, options);
-  double worst = 0;
-  int found = 0;
-  // A heap forgets its start exponentially fast, so the comparison ends while rounding is still small.
-  for (int i = 0; i < 60; ++i) {
-    narrow.step();
-    wide.step();
-    found = std::max(found, wide.report().contacts - narrow.report().contacts);
-    for (int b = 5; b < 69; ++b) worst = std::max(worst, (narrow.position(b) - wide.position(b)).norm() / 0.01);
+/// Two runs of the same fall of 64 grains into a heap, the second with a search margin twice as wide.
+class TwoMargins {
+ public:
+  TwoMargins(const std::string& backend, const Model& model, const SolverOptions& options)
+      : narrow_(backend, model, options), wide_(backend, model, widened(options)) {}
+
+  void step() {
+    narrow_.step();
+    wide_.step();
+    idle_ = std::max(idle_, wide_.report().contacts - narrow_.report().contacts);
   }
-  EXPECT_GT(found, 0);
-  return worst;
+  /// Largest distance between the two places of a grain / R.
+  double shift() const {
+    double worst = 0;
+    for (int b = 5; b < static_cast<int>(narrow_.model().bodies.size()); ++b)
+      worst = std::max(worst, (narrow_.position(b) - wide_.position(b)).norm() / 0.01);
+    return worst;
+  }
+  double fastest() const {
+    double speed = 0;
+    for (const Vec3& v : narrow_.state().velocity) speed = std::max(speed, v.norm());
+    return speed;
+  }
+  int idle() const { return idle_; }  ///< most contacts that only the wider search saw
+
+ private:
+  static SolverOptions widened(SolverOptions options) {
+    options.search_margin = 2;
+    return options;
+  }
+
+  Simulation narrow_, wide_;
+  int idle_ = 0;
+};
+
+// A heap forgets its start exponentially fast, so the comparison ends while rounding is still small: after 0.06 s, with
+// a residual of 1e-13, the two runs differ by 1e-12 R or less.
+TEST_P(Reproducibility, ADoubledSearchMarginChangesNothing) {
+  for (const double restitution : {0.0, 0.3})
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      PairLaw law = everything;
+      law.restitution = restitution;
+      // In such a step no grain moves further than the smallest margin, a fiftieth of its radius.
+      const double h = 2e-4;
+      TwoMargins runs(GetParam(), pile({.count = 64, .law = law, .seed = seed}), precise(h));
+      double worst = 0;
+      for (int i = 0; i < 300; ++i) {
+        runs.step();
+        worst = std::max(worst, runs.shift());
+      }
+      char name[128];
+      std::snprintf(name, sizeof name,
+                    "search margin doubled, 64 cohesive grains fall, e = %.1f, seed %u: largest shift / R", restitution,
+                    seed);
+      expect_answer({name, 0, worst, 1e-9, 0, 1}, GetParam());
+      EXPECT_GT(runs.idle(), 0);
+    }
 }
 
-TEST_P(Reproducibility, ADoubledSearchMarginChangesNothing) {
-  PairLaw law = everything;
-  law.restitution = 0;
-  expect_answer({"search margin doubled, 64 cohesive grains fall, e = 0: largest shift / R", 0,
-                 shift_by_margin(GetParam(), law), 1e-8, 0, 1},
-                GetParam());
-  expect_answer({"search margin doubled, 64 cohesive grains fall, e = 0.3: largest shift / R", 0,
-                 shift_by_margin(GetParam(), everything), 1e-8, 0, 1},
-                GetParam());
+// What grains move in a step may exceed the margin: then a blow that is handed on within one step can close a pair that
+// was not looked at. It overlaps, and is met in the next step: the two runs part by no more than the speed of a bounce
+// allows.
+TEST_P(Reproducibility, ABlowHandedOnBeyondTheMarginIsMetAStepLater) {
+  const double h = 1e-3;
+  double worst = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    TwoMargins runs(GetParam(), pile({.count = 64, .law = everything, .seed = seed}), precise(h));
+    for (int i = 0; i < 60; ++i) {
+      const double speed = runs.fastest();
+      runs.step();
+      if (runs.shift() < 1e-9) continue;
+      worst = std::max(worst, runs.shift() * 0.01 / ((1 + everything.restitution) * speed * h));
+      break;
+    }
+  }
+  note("the same with steps of 1 ms, e = 0.3: first shift / (1 + e) v h, a limit", worst);
+  EXPECT_LE(worst, 1);
 }
 
 }  // namespace
