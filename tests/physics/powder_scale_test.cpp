@@ -24,11 +24,11 @@ double weight_of(const Model& model) {
   return weight;
 }
 
-/// Mean upward load of the floor (body 0) / weight of all grains.
-class FloorLoad {
+/// Mean upward load of the floor (body 0) and of the rough walls of a pile's box (1 to 4) / weight of all grains.
+class BoxLoad {
  public:
   void add(const Simulation& s) {
-    sum_ -= s.force_on(0).z() / weight_of(s.model());
+    for (int wall = 0; wall < 5; ++wall) sum_ -= s.force_on(wall).z() / weight_of(s.model());
     ++steps_;
   }
   double mean() const { return sum_ / steps_; }
@@ -53,7 +53,7 @@ TEST_P(PowderScale, GrainsDoNotFallThroughEachOther) {
                               .fall = 0.02});
     auto s = simulation(model, usual(run.h));
     double depth = 0, lowest = 1;
-    FloorLoad load;
+    BoxLoad load;
     s.run(static_cast<int>(std::lround(run.time / run.h)), [&](const Simulation& now) {
       depth = std::max(depth, now.report().penetration);
       if (now.state().time > 0.8 * run.time) load.add(now);
@@ -63,7 +63,7 @@ TEST_P(PowderScale, GrainsDoNotFallThroughEachOther) {
     char name[64];
     std::snprintf(name, sizeof name, "18 grains of 58 um, h = %.0e s", run.h);
     expect_answer({std::string(name) + ": largest penetration / d", 0, depth / diameter, 1e-3, 0, 1}, GetParam());
-    expect_answer({std::string(name) + ": mean load of the floor / weight", 1, load.mean(), 0.01}, GetParam());
+    expect_answer({std::string(name) + ": mean load of the box / weight", 1, load.mean(), 0.01}, GetParam());
     EXPECT_GT(lowest, 0.998);
   }
 }
@@ -91,21 +91,21 @@ TEST_P(PowderScale, AFallenBedWithRollingFrictionComesToRest) {
   auto s = simulation(model, usual(2e-5));
   int converged = 0, iterations = 0;
   double depth = 0;
-  FloorLoad load;
-  const int steps = 1000;
+  BoxLoad load;
+  const int steps = 2750;  // the last grain rolls into its hole after 0.045 s
   s.run(steps, [&](const Simulation& now) {
     converged += now.report().converged;
     iterations += now.report().iterations;
     depth = std::max(depth, now.report().penetration);
-    if (now.state().time > 0.018) load.add(now);
+    if (now.state().time > 0.05) load.add(now);
   });
   const std::string name = "300 grains fall and settle, rho = sigma = 0.1";
   note(name + ": iterations per step to 1e-3", static_cast<double>(iterations) / steps);
   note(name + ": share of steps converged", static_cast<double>(converged) / steps);
   EXPECT_GE(converged, 0.99 * steps);
   expect_answer({name + ": largest penetration / d", 0, depth / diameter, 0.01, 0, 1}, GetParam());
-  expect_answer({name + ": load of the floor / weight", 1, load.mean(), 0.01}, GetParam());
-  expect_answer({name + ": kinetic energy / m g d", 0, kinetic_energy(s) / (weight_of(model) * diameter), 1e-4, 0, 1},
+  expect_answer({name + ": load of the box / weight", 1, load.mean(), 1e-3}, GetParam());
+  expect_answer({name + ": kinetic energy / m g d", 0, kinetic_energy(s) / (weight_of(model) * diameter), 1e-9, 0, 1},
                 GetParam());
 }
 
