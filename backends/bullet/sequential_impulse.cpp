@@ -18,6 +18,9 @@ namespace repose::bullet {
 namespace {
 
 constexpr double removed_per_step = 0.5;  // of a penetration, by the split impulses
+constexpr double last_change = 0.5;       // of the tolerance: a sweep that changes less leaves a residual within it, on beds
+
+double squared(double x) { return x * x; }
 
 using dvi::ConeContact;
 using dvi::ConeProblem;
@@ -66,7 +69,7 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
   btScalar solveSingleIteration(int iteration, btCollisionObject**, int, btPersistentManifold**, int, btTypedConstraint**,
                                 int, const btContactSolverInfo&, btIDebugDraw*) override {
     const int n = m_tmpSolverContactConstraintPool.size();
-    double change = 0, size = 0;
+    double change = 0, size = 0;  // sums of l |dg|^2 and l |g|^2, as in the residual of the law
     for (int i = 0; i < n; ++i) {
       const ConeContact& c = contact(i);
       btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
@@ -74,28 +77,30 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
       if (iteration == 0) row.m_lowerLimit = -c.cohesion;
       btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdA];
       btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdB];
-      double largest = std::abs(resolveSingleConstraintRowLowerLimit(b, a, row));
-      const double made = row.m_appliedImpulse / row.m_jacDiagABInv;
-      size += made * made;
+      const double before = row.m_appliedImpulse;
+      resolveSingleConstraintRowLowerLimit(b, a, row);
+      double changed = squared(row.m_appliedImpulse - before), held = squared(row.m_appliedImpulse);
       const double pressed = row.m_appliedImpulse + c.cohesion;
       if (c.friction > 0) {
         btSolverConstraint* slide = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
-        largest = std::max(largest, within_disc(b, a, slide[0], slide[1], c.friction * pressed));
+        changed += within_disc(b, a, slide[0], slide[1], c.friction * pressed);
+        held += squared(slide[0].m_appliedImpulse) + squared(slide[1].m_appliedImpulse);
       }
       if (const int r = rolling_[static_cast<std::size_t>(i)]; r >= 0) {
         btSolverConstraint* turn = &m_tmpSolverContactRollingFrictionConstraintPool[r];
+        const double spun = turn[0].m_appliedImpulse;
         turn[0].m_upperLimit = c.spinning * c.arm * pressed;
         turn[0].m_lowerLimit = -turn[0].m_upperLimit;
-        const double spun = std::abs(resolveSingleConstraintRowGeneric(b, a, turn[0]));
+        resolveSingleConstraintRowGeneric(b, a, turn[0]);
         const double rolled = within_disc(b, a, turn[1], turn[2], c.rolling * c.arm * pressed);
-        largest = std::max(largest, c.arm * std::max(spun, rolled));
+        changed += (squared(turn[0].m_appliedImpulse - spun) + rolled) / squared(c.arm);
+        for (int k = 0; k < 3; ++k) held += squared(turn[k].m_appliedImpulse / c.arm);
       }
-      change = std::max(change, largest);
+      change += changed / row.m_jacDiagABInv;
+      size += held / row.m_jacDiagABInv;
     }
     if (change == 0) return 0;
-    size = std::sqrt(size / n);
-    const double relative = change / std::max(size, std::numeric_limits<double>::min());
-    return std::min(relative * relative, std::numeric_limits<double>::max());
+    return std::min(change / std::max(size, std::numeric_limits<double>::min()), std::numeric_limits<double>::max());
   }
 
   btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
@@ -170,7 +175,7 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
 
   /// Two rows whose impulse stays within a disc: each row's own answer where that lies inside; else one step of the same
   /// length in both and the nearest point of the disc, whose fixed point is opposed to the sliding exactly. Returns the
-  /// largest change of a row's velocity.
+  /// square of the change.
   static double within_disc(btSolverBody& b, btSolverBody& a, btSolverConstraint& x, btSolverConstraint& y, double limit) {
     const double before_x = x.m_appliedImpulse, before_y = y.m_appliedImpulse;
     double dx = wanted(b, a, x), dy = wanted(b, a, y);
@@ -183,7 +188,7 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
     }
     add(b, a, x, dx);
     add(b, a, y, dy);
-    return std::max(std::abs(dx / x.m_jacDiagABInv), std::abs(dy / y.m_jacDiagABInv));
+    return dx * dx + dy * dy;
   }
 
   const ConeProblem* problem_ = nullptr;
@@ -279,7 +284,7 @@ dvi::SolveReport SequentialImpulse::solve(const ConeProblem& problem, std::span<
   btContactSolverInfo info;
   info.m_timeStep = step;
   info.m_numIterations = options.max_iterations;
-  info.m_leastSquaresResidualThreshold = options.tolerance * options.tolerance;
+  info.m_leastSquaresResidualThreshold = squared(last_change * options.tolerance);
   info.m_solverMode = SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_ENABLE_FRICTION_DIRECTION_CACHING;
   info.m_splitImpulse = 1;
   info.m_restitutionVelocityThreshold = 0;

@@ -36,8 +36,8 @@ class SequentialImpulse {
   /// In: the first impulses. Out: impulses, and the velocities of all bodies. `mass`: of the problem's bodies, in its order
   /// (problem.inverse_mass must be the same). `gap`: of each contact, negative where penetration is to be removed. `step`: h.
   ///
-  /// Sweeps end when the largest change of a row (a velocity) is below options.tolerance times the root mean square of the
-  /// velocities that the normal impulses make at their contacts, or after options.max_iterations.
+  /// Sweeps end when one changes the impulses by less than half of options.tolerance, in the norm of the residual (law_residual.hpp),
+  /// or after options.max_iterations.
   /// `residual` of the report: of the law at the end (law_residual.hpp), the same measure as DVI's.
   dvi::SolveReport solve(const dvi::ConeProblem& problem, std::span<const MassAndAxes> mass, std::span<const double> gap,
                          double step, const SolverOptions& options, std::span<dvi::Impulse> impulse,
