@@ -50,7 +50,7 @@ include() { printf '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](%s)' "$1";
   forbid 'the cone solver knows no shape, motion or material' "$(include 'core/(shape|motion|material|mass_properties)')" $solver
 
   forbid 'bullet shares no solver and no world with dvi' \
-    "$(include "$dvi/(world_dvi|contact_finder|gauss|projected|packed|batch|colouring|residual)")" $(code backends/bullet)
+    "$(include "$dvi/(world_dvi|contact_finder|gauss|projected|packed|batch|colouring|momentum|residual)")" $(code backends/bullet)
 
   libraries=$(for folder in core backends analysis; do sources $folder '*.hpp'; done)
   headers="$libraries $(sources scenarios '*.hpp')"
