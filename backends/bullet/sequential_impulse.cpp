@@ -179,10 +179,10 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
   static double within_disc(btSolverBody& b, btSolverBody& a, btSolverConstraint& x, btSolverConstraint& y, double limit) {
     const double before_x = x.m_appliedImpulse, before_y = y.m_appliedImpulse;
     double dx = wanted(b, a, x), dy = wanted(b, a, y);
-    if (std::hypot(before_x + dx, before_y + dy) > limit) {
+    if (squared(before_x + dx) + squared(before_y + dy) > squared(limit)) {
       const double step = std::min(x.m_jacDiagABInv, y.m_jacDiagABInv);
       const double gx = before_x + dx * (step / x.m_jacDiagABInv), gy = before_y + dy * (step / y.m_jacDiagABInv);
-      const double length = std::hypot(gx, gy), share = length > limit ? limit / length : 1.0;
+      const double length = std::sqrt(squared(gx) + squared(gy)), share = length > limit ? limit / length : 1.0;
       dx = share * gx - before_x;
       dy = share * gy - before_y;
     }
