@@ -2,15 +2,18 @@
 
 #include <array>
 
+#include "backends/bullet/world_bullet.hpp"
 #include "backends/dvi/world_dvi.hpp"
 #include "core/error.hpp"
 
 namespace repose {
 
 std::span<const Backend> backends() {
-  static const std::array<Backend, 1> table{{
+  static const std::array<Backend, 2> table{{
       {"dvi", "non-smooth dynamics: cone complementarity with rolling and spinning friction and cohesion, large steps",
        dvi::unsupported, dvi::make_world},
+      {"bullet", "Bullet 3.24, in double precision: rigid contacts by sequential impulses, a reference engine",
+       bullet::unsupported, bullet::make_world},
   }};
   return table;
 }

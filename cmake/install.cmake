@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 
 set(REPOSE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Repose)
-foreach(library repose_options repose_dvi_options repose_core repose_dvi_collision repose_dvi repose_backends repose_analysis
+foreach(library repose_options repose_dvi_options repose_core repose_dvi_collision repose_dvi repose_bullet repose_backends repose_analysis
         repose_render repose_report)
   if(TARGET ${library})
     list(APPEND REPOSE_LIBRARIES ${library})
@@ -30,5 +30,5 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ReposeConfig.cmake.in ${PROJECT_BINARY_DIR}/ReposeConfig.cmake
                               INSTALL_DESTINATION ${REPOSE_PACKAGE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/ReposeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/ReposeConfig.cmake ${PROJECT_BINARY_DIR}/ReposeConfigVersion.cmake
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/FindBulletDouble.cmake ${PROJECT_BINARY_DIR}/ReposeConfig.cmake ${PROJECT_BINARY_DIR}/ReposeConfigVersion.cmake
         DESTINATION ${REPOSE_PACKAGE_DIR})

@@ -60,7 +60,7 @@ struct SolverOptions {
   double time_step = 1e-4;     ///< h [s], > 0
   double tolerance = 1e-3;     ///< on the relative residual, > 0
   int max_iterations = 1000;   ///< > 0, per step
-  SolverKind kind = SolverKind::gauss_seidel;
+  SolverKind kind = SolverKind::gauss_seidel;  ///< which of DVI's methods; other engines have one of their own
   ContactLaw law = ContactLaw::exact;
   bool warm_start = true;
   int threads = 1;             ///< >= 1; never changes the result

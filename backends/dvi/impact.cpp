@@ -35,8 +35,8 @@ Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, 
   return {c.normal.dot(d), t1.dot(d), t2.dot(d), t1.dot(w), t2.dot(w), c.normal.dot(w)};
 }
 
-SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step,
-                               const SolverOptions& options, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
+SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
+                               const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
                                std::vector<Vec3>& angular_velocity) {
   const std::size_t n = problem.contacts.size();
   std::vector<Bounce> bounce(n);
@@ -54,7 +54,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
       c.bias = d.restitution * d.before;
     }
   }
-  SolveReport report = solve(problem, options, impulse, velocity, angular_velocity);
+  SolveReport report = solver(problem, impulse, velocity, angular_velocity);
   if (!any_may) return report;
 
   for (int round = 0; round < activation_rounds; ++round) {
@@ -66,7 +66,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
       changed = true;
     }
     if (!changed) break;
-    merge(report, solve(problem, options, impulse, velocity, angular_velocity));
+    merge(report, solver(problem, impulse, velocity, angular_velocity));
   }
 
   for (int round = 0; round < energy_rounds; ++round) {
@@ -78,13 +78,13 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
       double work = 0;
       for (std::size_t k = 0; k < 6; ++k) work += 0.5 * impulse[i][k] * (free[k] + after[k]);
       // The solver's tolerance is allowed for: e = 1 without friction does no work at all, up to it.
-      if (work <= options.tolerance * impulse[i][0] * -data[i].before) continue;
+      if (work <= tolerance * impulse[i][0] * -data[i].before) continue;
       bounce[i].share = round + 1 < energy_rounds - 1 ? 0.5 * bounce[i].share : 0.0;
       problem.contacts[i].bias = bounce[i].share * data[i].restitution * data[i].before;
       changed = true;
     }
     if (!changed) break;
-    merge(report, solve(problem, options, impulse, velocity, angular_velocity));
+    merge(report, solver(problem, impulse, velocity, angular_velocity));
   }
   return report;
 }

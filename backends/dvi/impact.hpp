@@ -11,6 +11,7 @@
 ///     with gaps larger than v h hands an impulse on, and balls that touch bounce at the same time.
 ///  4. Energy: if a bouncing contact does positive work, g . (u_free + u+) / 2 > 0 (Newton's law with friction can:
 ///     Kane's example), its bias is halved and the problem solved again, up to eight times, then set to zero.
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -28,9 +29,14 @@ struct ImpactData {
 /// Relative velocity rows of contact `c` for the given velocities.
 Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, std::span<const Vec3> angular_velocity);
 
-/// Sets the biases by rules 1 and 2, solves, and applies rules 3 and 4. `data`: one per contact. `step`: h.
-SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step,
-                               const SolverOptions& options, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
+/// Solves a problem from the first impulses given: solve() of cone_solver.hpp with its options, or another engine's solver.
+using ConeSolver = std::function<SolveReport(const ConeProblem& problem, std::span<Impulse> impulse,
+                                             std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity)>;
+
+/// Sets the biases by rules 1 and 2, solves, and applies rules 3 and 4. `data`: one per contact. `step`: h. `tolerance`: of
+/// the solver.
+SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
+                               const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
                                std::vector<Vec3>& angular_velocity);
 
 }  // namespace repose::dvi

@@ -56,7 +56,10 @@ class WorldDvi final : public World {
         finder_.find(placement(free_velocity_, free_angular_), h, options_.search_margin, options_.threads);
     build_problem(found, h);
     warm_start(found, h);
-    SolveReport solved = solve_with_impacts(problem_, impact_, h, options_, impulse_, velocity_after_, angular_after_);
+    const ConeSolver solver = [this](const ConeProblem& problem, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
+                                     std::vector<Vec3>& angular) { return solve(problem, options_, impulse, velocity, angular); };
+    SolveReport solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_,
+                                            angular_after_);
     StepReport report = report_of(found, solved);
     keep_impulses(found);
     advance(h);

@@ -5,6 +5,7 @@
 #
 #   core      <- backends, analysis, scenarios: dependencies run one way, and analysis never sees a backend
 #   dvi       only the world's files (world_dvi*, contact_finder, units) see a model; collision knows shapes alone, the cone solver its plain problem alone
+#   bullet    takes geometry, units and the plain problem from dvi, never its solver or its world
 #   packages  heavy headers stay inside .cpp files
 #   files     at most 500 lines; nothing is left to be done later
 set -eu
@@ -48,10 +49,13 @@ include() { printf '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](%s)' "$1";
   forbid 'collision and cone solver do not know each other' "$(include "$dvi/(narrow|broad|collide)")" $solver
   forbid 'the cone solver knows no shape, motion or material' "$(include 'core/(shape|motion|material|mass_properties)')" $solver
 
+  forbid 'bullet shares no solver and no world with dvi' \
+    "$(include "$dvi/(world_dvi|contact_finder|gauss|projected|packed|batch|colouring|momentum|residual)")" $(code backends/bullet)
+
   libraries=$(for folder in core backends analysis; do sources $folder '*.hpp'; done)
   headers="$libraries $(sources scenarios '*.hpp')"
   forbid 'this package is included by .cpp files only' \
-    "$(include 'embree|hdf5|H5|yaml-cpp|png\.h|CLI/|benchmark|openvdb|bullet|dart/')" $headers
+    "$(include 'embree|hdf5|H5|yaml-cpp|png\.h|CLI/|benchmark|openvdb|bullet/|bt[A-Z]|Bullet|LinearMath|dart/')" $headers
   forbid 'library headers need no JSON package' "$(include 'nlohmann/json\.')" $libraries
 
   all=$(for folder in core backends analysis scenarios tests; do code $folder; done)

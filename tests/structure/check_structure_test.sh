@@ -6,10 +6,11 @@ set -eu
 check=$1
 tree=$(mktemp -d)
 trap 'rm -rf -- "$tree"' EXIT
-mkdir -p "$tree/core" "$tree/backends/dvi" "$tree/analysis" "$tree/scenarios" "$tree/tests"
+mkdir -p "$tree/core" "$tree/backends/dvi" "$tree/backends/bullet" "$tree/analysis" "$tree/scenarios" "$tree/tests"
 
 write() { printf '%s\n' "$2" >"$tree/$1"; }
 
+write backends/bullet/world_bullet.cpp '#include <BulletDynamics/Dynamics/btRigidBody.h>'
 write core/scene.hpp '#include "core/math.hpp"'
 write core/scene.cpp '#include <yaml-cpp/yaml.h>'
 write backends/dvi/world_dvi.cpp '#include "core/model.hpp"'
@@ -51,6 +52,9 @@ breach backends/dvi/cone_bad.cpp '#include "backends/dvi/narrow_phase.hpp"'
 breach backends/dvi/cone_bad.cpp '#include "backends/dvi/world_dvi.hpp"'
 breach backends/dvi/narrow_bad.cpp '#include "core/scene.hpp"'
 breach backends/dvi/narrow_bad.cpp '#include "backends/dvi/cone_problem.hpp"'
+breach backends/bullet/bad.cpp '#include "backends/dvi/world_dvi.hpp"'
+breach backends/bullet/bad.cpp '#include "backends/dvi/gauss_seidel.hpp"'
+breach backends/bullet/bad.hpp '#include <LinearMath/btTransform.h>'
 breach core/bad.hpp '#include <hdf5.h>'
 breach analysis/bad.hpp '#include <embree3/rtcore.h>'
 breach core/bad.hpp '#include <nlohmann/json.hpp>'

@@ -1,0 +1,26 @@
+#include <array>
+
+#include "tests/physics/engine_limits.hpp"
+
+namespace repose::test {
+
+namespace {
+
+constexpr std::string_view slow_sweeps =
+    "it sweeps over single rows: a stack under a thousandfold weight, or of cubes, is not solved to 1e-6 in 10000 sweeps";
+
+constexpr std::array<EngineLimit, 7> limits{{
+    {"ten spheres, top 1000 x, Barzilai-Borwein to 1e-6: residual", 2e-6, 1e-4, slow_sweeps},
+    {"ten spheres, top 1000 x, Barzilai-Borwein to 1e-6: mean base load / weight", 1.1e-3, 1e-2, slow_sweeps},
+    {"ten cubes, top 1 x, Barzilai-Borwein to 1e-6: residual", 2e-6, 1e-4, slow_sweeps},
+    {"ten cubes, top 10 x, Barzilai-Borwein to 1e-6: residual", 2e-6, 1e-4, slow_sweeps},
+    {"ten cubes, top 100 x, Barzilai-Borwein to 1e-6: residual", 2e-6, 1e-4, slow_sweeps},
+    {"ten cubes, top 1000 x, Barzilai-Borwein to 1e-6: residual", 2e-6, 1e-4, slow_sweeps},
+    {"ten cubes, top 1000 x, Barzilai-Borwein to 1e-6: mean base load / weight", 1.1e-3, 1e-2, slow_sweeps},
+}};
+
+}  // namespace
+
+std::span<const EngineLimit> bullet_limits() { return limits; }
+
+}  // namespace repose::test
