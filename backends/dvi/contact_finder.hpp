@@ -74,12 +74,11 @@ class ContactFinder {
   };
   /// What one thread looks at and finds at a time.
   struct Chunk {
-    std::vector<BodyPair> near;  ///< pairs within reach of each other
+    std::vector<BodyPair> near;  ///< pairs that any two velocities met nearby could bring together
     std::vector<FoundContact> found;
   };
 
-  /// True if the two are within reach: then their contacts are appended.
-  bool collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
+  void collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
                       std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const;
   /// Runs `search(chunk number, scratch)` for `count` chunks of `chunks`.
   template <class Search>
