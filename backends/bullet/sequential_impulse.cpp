@@ -143,9 +143,11 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
     btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdA];
     btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdB];
     add(b, a, row, g[0]);
-    btSolverConstraint* slide = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
-    add(b, a, slide[0], g[1]);
-    add(b, a, slide[1], g[2]);
+    if (contact(i).friction > 0) {  // a normal that has turned since gives even a smooth contact a share along its tangents
+      btSolverConstraint* slide = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
+      add(b, a, slide[0], g[1]);
+      add(b, a, slide[1], g[2]);
+    }
     const int r = rolling_[static_cast<std::size_t>(i)];
     if (r < 0) return;
     Vec3 t1, t2;
