@@ -18,6 +18,7 @@ namespace repose::bullet {
 namespace {
 
 constexpr double removed_per_step = 0.5;  // of a penetration, by the split impulses
+constexpr double slop = 5e-4;             // of R*: what is left of it; pushed to nothing, contacts at rest would flicker
 constexpr double last_change = 0.5;       // of the tolerance: a sweep that changes less leaves a residual within it, on beds
 
 double squared(double x) { return x * x; }
@@ -58,7 +59,7 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
     }
     for (int i = 0; i < n; ++i) {
       btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
-      const double depth = std::max(-gap_[static_cast<std::size_t>(i)], 0.0);
+      const double depth = std::max(-gap_[static_cast<std::size_t>(i)] - slop * contact(i).arm, 0.0);
       row.m_rhs -= contact(i).bias * row.m_jacDiagABInv;
       row.m_rhsPenetration = removed_per_step * depth / step_ * row.m_jacDiagABInv;
       start(i, row);
