@@ -18,6 +18,7 @@ namespace repose::bullet {
 namespace {
 
 constexpr double removed_per_step = 0.5;  // of a penetration, by the split impulses
+constexpr double slop = 5e-4;             // of R*: what is left of it; pushed to nothing, contacts at rest would flicker
 constexpr double last_change = 0.5;       // of the tolerance: a sweep that changes less leaves a residual within it, on beds
 
 double squared(double x) { return x * x; }
@@ -58,7 +59,7 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
     }
     for (int i = 0; i < n; ++i) {
       btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
-      const double depth = std::max(-gap_[static_cast<std::size_t>(i)], 0.0);
+      const double depth = std::max(-gap_[static_cast<std::size_t>(i)] - slop * contact(i).arm, 0.0);
       row.m_rhs -= contact(i).bias * row.m_jacDiagABInv;
       row.m_rhsPenetration = removed_per_step * depth / step_ * row.m_jacDiagABInv;
       start(i, row);
@@ -143,9 +144,11 @@ class Sweeps final : public btSequentialImpulseConstraintSolver {
     btSolverBody& b = m_tmpSolverBodyPool[row.m_solverBodyIdA];
     btSolverBody& a = m_tmpSolverBodyPool[row.m_solverBodyIdB];
     add(b, a, row, g[0]);
-    btSolverConstraint* slide = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
-    add(b, a, slide[0], g[1]);
-    add(b, a, slide[1], g[2]);
+    if (contact(i).friction > 0) {  // a normal that has turned since gives even a smooth contact a share along its tangents
+      btSolverConstraint* slide = &m_tmpSolverContactFrictionConstraintPool[row.m_frictionIndex];
+      add(b, a, slide[0], g[1]);
+      add(b, a, slide[1], g[2]);
+    }
     const int r = rolling_[static_cast<std::size_t>(i)];
     if (r < 0) return;
     Vec3 t1, t2;

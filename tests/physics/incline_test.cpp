@@ -145,5 +145,24 @@ TEST_P(Incline, SphereBeyondTheRollingAngleRollsAndBeyondTheFrictionAngleSlides)
   EXPECT_LT(radius * slider.spin(1).norm(), 1e-10);
 }
 
+TEST_P(Incline, ASmoothSphereLeavesAFixedOneAtTwoThirds) {
+  // It slides down without turning, and leaves where cos = 2/3 of the angle from the top (start: 5 degrees, at rest).
+  const double large = 0.3, start = 5 * M_PI / 180, sum = large + radius, fine = 1e-4;
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .wall("m", shape_of("ball", Sphere{large}))
+                          .sphere("m", radius, {.position = sum * Vec3(std::sin(start), 0, std::cos(start))})
+                          .build();
+  auto s = simulation(model, precise(fine));
+  double left = 0, spin = 0;
+  s.run(20000, [&](const Simulation& now) {
+    spin = std::max(spin, now.spin(1).norm());
+    if (now.force_on(1).norm() > 0) left = now.position(1).z() / sum;
+  });
+  expect_answer({"smooth sphere on a fixed one: cosine where it leaves", 2.0 / 3 * std::cos(start), left, 1e-3}, GetParam());
+  expect_answer({"smooth sphere on a fixed one: spin / sqrt(g / R)", 0, spin / std::sqrt(g / radius), 1e-12, 0, 1},
+                GetParam());
+}
+
 }  // namespace
 }  // namespace repose::test
