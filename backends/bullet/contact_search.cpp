@@ -180,7 +180,7 @@ void ContactSearch::collide(const PlacedPart& x, const PlacedPart& y, double rea
     const Touch answer = touch({x.convex.get(), x.primitive.position, x.primitive.rotation},
                                {y.convex.get(), y.primitive.position, y.primitive.rotation}, reach, point);
     if (answer == Touch::found) scratch_.push_back(point);
-    if (answer != Touch::cores_meet) return;
+    if (answer != Touch::no_answer) return;
   }
   dvi::collide(x.primitive, y.primitive, reach, scratch_);
 }

@@ -38,7 +38,7 @@ struct PlacedShape {
 enum class Touch : std::uint8_t {
   apart,       ///< farther than the margin
   found,       ///< gap (to 1e-8 of shapes of size 1), normal (to 1e-4)
-  cores_meet,  ///< the cores overlap or stand closer than 1e-3: no answer
+  no_answer,   ///< the cores overlap or stand closer than 1e-3, or no answer could be proven
 };
 
 /// The deepest or nearest point of the pair: gap, normal from a to b, midpoint (narrow_phase.hpp). Lengths in a unit in which
