@@ -63,7 +63,10 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
   Iterate<Real> best;
   const bool many = problem.contacts.size() > many_contacts;
   std::optional<Momentum<Real>> momentum;
-  if (many && !gradient) momentum.emplace(packed);
+  if (many && !gradient) {
+    momentum.emplace(packed);
+    report.bytes += momentum->bytes();
+  }
   double relaxation = 1;
   int stride = many ? 8 : 2;  // iterations between two looks at the residual, which costs about half an iteration
   // A warm start that meets the tolerance is improved all the same: what is left over would add up from step to step.

@@ -17,6 +17,7 @@ class Momentum {
  public:
   explicit Momentum(const PackedProblem<Real>& packed);
 
+  std::size_t bytes() const { return rows_.size() * sizeof(Rows) + motion_.size() * sizeof(Motion); }
   /// Blocks of work that `extrapolate` may share among threads.
   std::ptrdiff_t blocks() const { return static_cast<std::ptrdiff_t>(turn_.size()); }
   /// Takes note of the result of a sweep, one block of contacts and bodies, and moves it on to where the next sweep

@@ -229,7 +229,7 @@ void sweep_cost(const Case& tile, const std::string& rows, const std::vector<int
       const double batch = static_cast<double>(packed.batches.size() * (sizeof(Batch<float>) + 6 * lane_bytes));
       const double bodies = contacts * 2 * (2 * sizeof(BodyVelocity<float>) + sizeof(BodyInverse<float>));
       const double bandwidth = memory_bandwidth(threads);
-      const double stored = static_cast<double>(packed.bytes()) +
+      const double stored = static_cast<double>(packed.bytes() + momentum.bytes()) +
                             contacts * static_cast<double>(sizeof(ConeContact) + sizeof(Impulse) + sizeof(std::int32_t));
       const auto [low, high] = std::minmax_element(time.begin(), time.end());
       fmt::print("| {} | {} | {:.0f} | {} | {:.1f} ({:.1f}-{:.1f}) | {:.0f} + {:.0f} | {:.1f} | {:.1f} | {:.0f} |\n", rows,
