@@ -1,4 +1,5 @@
 /// Equal spheres poured into a box: how densely they lie, and how many contacts carry them.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -21,6 +22,7 @@ constexpr double side = 10.7 * d;  // not a multiple of the diameter: layers at 
 
 struct Packed {
   double fraction = 0, contacts = 0, energy = 0, rattlers = 0;
+  double depth = 0;  ///< deepest overlap while it was poured / d
 };
 
 Packed pour(const std::string& backend, double friction, unsigned seed) {
@@ -42,7 +44,8 @@ Packed pour(const std::string& backend, double friction, unsigned seed) {
   const double h = 2e-3, quiet = 1e-5;
   const auto energy = [&](const Simulation& s) { return kinetic_energy(s) / (count * weight * d); };
   Simulation s(backend, model, usual(h, 1e-4));
-  s.run(500);
+  Packed packed;
+  s.run(500, [&](const Simulation& now) { packed.depth = std::max(packed.depth, now.report().penetration / d); });
   for (int i = 0; i < 100 && energy(s) > quiet; ++i) s.run(20);
   // Which contacts carry is told apart with a tighter solve.
   Frame frame;
@@ -50,7 +53,6 @@ Packed pour(const std::string& backend, double friction, unsigned seed) {
   Simulation fine(backend, model, usual(h, 1e-6));
   fine.restore(frame);
   fine.run(10);
-  Packed packed;
   packed.energy = energy(fine);
 
   double top = 0;  // of the bed: twice the mean height of a ball
@@ -96,6 +98,7 @@ TEST_P(Packing, FrictionlessSpheres) {
   // As many contact forces as degrees of freedom, each shared by two: 6. Four fillings gave 5.92 to 5.99.
   expect_within("frictionless spheres: contacts per grain that is held", 5.8, 6.2, packed.contacts);
   note("frictionless spheres: share of rattlers", packed.rattlers);
+  expect_answer({"frictionless spheres: deepest overlap while poured / d", 0, packed.depth, 1e-3, 0, 1}, GetParam());
   note("frictionless spheres: kinetic energy / m g d per grain", packed.energy);
   EXPECT_LT(packed.energy, 5e-5);
 }
@@ -106,6 +109,7 @@ TEST_P(Packing, FrictionalSpheres) {
   // Fewer than without friction, and at least the 4 that hold a rough sphere.
   expect_within("spheres, mu = 0.5: contacts per grain that is held", 4.0, 5.6, packed.contacts);
   note("spheres, mu = 0.5: share of rattlers", packed.rattlers);
+  expect_answer({"spheres, mu = 0.5: deepest overlap while poured / d", 0, packed.depth, 1e-3, 0, 1}, GetParam());
   note("spheres, mu = 0.5: kinetic energy / m g d per grain", packed.energy);
   EXPECT_LT(packed.energy, 5e-5);
 }

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <limits>
 #include <string>
 
 #include "core/random.hpp"
 #include "tests/physics/answer.hpp"
 #include "tests/physics/scenes.hpp"
+#include "tests/physics/same_state.hpp"
 #include "tests/physics/simulate.hpp"
 
 namespace repose::test {
@@ -23,16 +23,6 @@ const PairLaw everything{.friction = 0.5,
                          .restitution = 0.3,
                          .cohesion = 0.01,
                          .cohesion_range = 1e-4};
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), b.data(), a.size() * sizeof(T)) == 0;
-}
-
-bool same_state(const Snapshot& a, const Snapshot& b) {
-  return a.time == b.time && same_bytes(a.position, b.position) && same_bytes(a.orientation, b.orientation) &&
-         same_bytes(a.velocity, b.velocity) && same_bytes(a.angular_velocity, b.angular_velocity);
-}
 
 bool same_forces(const std::vector<Contact>& a, const std::vector<Contact>& b) {
   if (a.size() != b.size()) return false;

@@ -152,10 +152,10 @@ TEST_P(Stack, StandsAtUsualTolerances) {
 }
 
 TEST_P(Stack, ATowerOfCubesUnderAThousandTimesNeedsATighterTolerance) {
-  const Model model = stack(true, 1000);
-  REPOSE_SKIP_UNSUPPORTED(model);
-  note("ten cubes, top 1000 x, defaults: height of the top after 0.5 s / side, a limit",
-       stand(GetParam(), model, usual(1e-3), 500).height);
+  if (GetParam() != "dvi") GTEST_SKIP() << "a limit of the defaults of DVI";
+  const double height = stand(GetParam(), stack(true, 1000), usual(1e-3), 500).height;
+  note("ten cubes, top 1000 x, defaults: height of the top after 0.5 s / side, a limit", height);
+  EXPECT_LT(height, 9.4) << "it stands now: take the limit out of README.md, and this case into StandsAtUsualTolerances";
 }
 
 }  // namespace

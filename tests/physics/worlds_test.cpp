@@ -2,13 +2,13 @@
 /// and that two worlds of one process do not influence each other.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "core/error.hpp"
 #include "core/grain_shape.hpp"
 #include "tests/physics/answer.hpp"
 #include "tests/physics/scenes.hpp"
+#include "tests/physics/same_state.hpp"
 #include "tests/physics/simulate.hpp"
 
 namespace repose::test {
@@ -18,15 +18,6 @@ class Worlds : public OnEveryBackend {};
 REPOSE_ON_EVERY_BACKEND(Worlds);
 
 constexpr double g = 9.81;
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(static_cast<const void*>(a.data()), b.data(), a.size() * sizeof(T)) == 0;
-}
-bool same_state(const Snapshot& a, const Snapshot& b) {
-  return a.time == b.time && same_bytes(a.position, b.position) && same_bytes(a.orientation, b.orientation) &&
-         same_bytes(a.velocity, b.velocity) && same_bytes(a.angular_velocity, b.angular_velocity);
-}
 
 /// Grains of all shapes that fall into a heap, with the laws that the backend can do.
 Model falling_heap(const std::string& backend, int count) {
