@@ -8,7 +8,7 @@
 /// Solved by DART's Dantzig pivoting, which is direct but knows constant bounds only: on its own it takes them from the
 /// problem without friction. So it is repeated with the bounds of the last pass until the problem as stated holds; when
 /// pivoting breaks down or the passes do not settle, DART's projected Gauss-Seidel goes on from the best point so far.
-/// Time grows with the cube of the number of rows.
+/// How time grows with the number of rows: README.md.
 #include <span>
 
 namespace repose::dart {
