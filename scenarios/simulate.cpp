@@ -107,7 +107,7 @@ Prepared prepare(Scene scene, const Options& options) {
 }
 
 RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file,
-                   std::function<bool(const Snapshot&, const StepReport&)> finished) {
+                   std::function<bool(const Snapshot&, const StepReport&)> finished, const std::string& tracked) {
   std::error_code ignored;
   if (!options.resume) std::filesystem::remove(options.out / main_file, ignored);
   Recorder recorder(options.out, prepared.model, prepared.scene.text, options.backend, options.seed, options.resume);
@@ -120,7 +120,7 @@ RunReport simulate(const Prepared& prepared, const Options& options, const std::
   hooks.interrupted = interrupted;
   hooks.finished = std::move(finished);
   const Schedule schedule{prepared.scene.solver.time_step, prepared.scene.duration, prepared.scene.frame_interval,
-                          options.checkpoint_wall_s};
+                          options.checkpoint_wall_s, tracked};
   return run(*world, prepared.model, schedule, &recorder, hooks, options.resume);
 }
 
