@@ -35,6 +35,10 @@ void read_grains(const YamlReader& block, const std::filesystem::path& folder, S
 /// tools: {funnel: {type, material, position, motion, and the fields of its kind in tool.hpp}}
 void read_tools(const YamlReader& block, Scene& scene);
 
+/// layer: {spreader, plate, gap, gap_from, speed, rotation, rotation_ratio, from, to, rest, settle, settle_time_step, region,
+/// surface, sides}; after the tools.
+void read_layer(const YamlReader& block, Scene& scene);
+
 /// effects: {linear_drag: {viscosity: 1.8e-5}}
 void read_effects(const YamlReader& block, Scene& scene);
 
