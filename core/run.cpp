@@ -145,6 +145,7 @@ class Runner {
     world_.read(state_);
     demand_finite(model_, state_);
     if (recorder_) recorder_->frame(state_);
+    if (hooks_.stepped) hooks_.stepped(state_, world_);
     save_checkpoint();
   }
 
@@ -169,6 +170,7 @@ class Runner {
     const double from = state_.time;
     try {
       evaluate_loads(model_, state_, loads_);
+      if (hooks_.loads) hooks_.loads(state_, loads_);
       last_ = world_.step(schedule_.time_step, loads_);
       world_.read(state_);
       demand_finite(model_, state_);
@@ -183,6 +185,7 @@ class Runner {
     ++step_;
     tally_.add(last_);
     if (recorder_) recorder_->step(log_line());
+    if (hooks_.stepped) hooks_.stepped(state_, world_);
   }
 
   StepRecord log_line() {

@@ -45,7 +45,7 @@ void read_effects(const YamlReader& block, Scene& scene);
 /// solver: {time_step, tolerance, max_iterations, method, law, warm_start, search_margin}
 void read_solver(const YamlReader& block, Scene& scene);
 
-/// record: {rate, noise, dropouts, observables}: checked for unknown keys, otherwise kept as text only.
+/// record: {rate, noise, dropouts, observables, runs, free, calibrate}: checked for unknown keys, otherwise kept as text only.
 void check_record(const YamlReader& block);
 
 /// The name of a material of the scene; an unknown one is an error with the nearest.
