@@ -67,6 +67,8 @@ struct ScaleEffect {
   void operator()(QuadraticDrag&) const {}
   void operator()(FiniteReynoldsDrag& e) const { e.viscosity *= f.viscosity; }
   void operator()(Buoyancy&) const {}
+  void operator()(Magnus&) const {}
+  void operator()(PeriodicForce& e) const { e.frequency /= f.time; }
 };
 
 void scale(Snapshot& state, const FroudeFactors& f) {

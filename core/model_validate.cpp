@@ -167,6 +167,17 @@ struct CheckEffect {
     fluid("finite_reynolds_drag", e.fluid_density);
   }
   void operator()(const Buoyancy& e) const { fluid("buoyancy", e.fluid_density); }
+  void operator()(const Magnus& e) const {
+    const auto place = [] { return std::string("effects.magnus.lift"); };
+    require(std::isfinite(e.lift), place, "the lift is not finite", "a slow sphere: 0.75");
+    fluid("magnus", e.fluid_density);
+  }
+  void operator()(const PeriodicForce& e) const {
+    const auto place = [] { return std::string("effects.periodic_force"); };
+    require(e.amplitude.allFinite() && std::isfinite(e.phase), place, "the amplitude or phase is not finite",
+            "give three numbers in m/s^2 and an angle");
+    require(not_negative(e.frequency), place, "the frequency is negative or not finite", "give it in Hz, at least 0");
+  }
 };
 
 }  // namespace

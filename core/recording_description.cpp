@@ -76,6 +76,12 @@ template <class Io> void fields(Io& io, FiniteReynoldsDrag& x) {
   io("fluid_density", x.fluid_density);
 }
 template <class Io> void fields(Io& io, Buoyancy& x) { io("fluid_density", x.fluid_density); }
+template <class Io> void fields(Io& io, Magnus& x) { io("lift", x.lift); io("fluid_density", x.fluid_density); }
+template <class Io> void fields(Io& io, PeriodicForce& x) {
+  io("amplitude", x.amplitude);
+  io("frequency", x.frequency);
+  io("phase", x.phase);
+}
 
 // ---- the names of the alternatives of a variant ----
 
@@ -94,6 +100,8 @@ const char* tag(const LinearDrag&) { return "linear_drag"; }
 const char* tag(const QuadraticDrag&) { return "quadratic_drag"; }
 const char* tag(const FiniteReynoldsDrag&) { return "finite_reynolds_drag"; }
 const char* tag(const Buoyancy&) { return "buoyancy"; }
+const char* tag(const Magnus&) { return "magnus"; }
+const char* tag(const PeriodicForce&) { return "periodic_force"; }
 
 /// Bodies that are more than a row of numbers.
 struct BodyExtra {

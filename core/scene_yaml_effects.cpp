@@ -57,13 +57,32 @@ Effect read_buoyancy(const YamlReader& reader) {
   return buoyancy;
 }
 
+Effect read_magnus(const YamlReader& reader) {
+  reader.only({"lift", "fluid_density"});
+  Magnus magnus;
+  reader.require("lift", magnus.lift, any(dimension::none));
+  reader.require("fluid_density", magnus.fluid_density, positive(dimension::density));
+  return magnus;
+}
+
+Effect read_periodic_force(const YamlReader& reader) {
+  reader.only({"amplitude", "frequency", "phase"});
+  PeriodicForce force;
+  reader.require("amplitude", force.amplitude, any(dimension::acceleration));
+  reader.require("frequency", force.frequency, non_negative(dimension::frequency));
+  reader.read("phase", force.phase, any(dimension::angle));
+  return force;
+}
+
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table{{"gravity_tilt", read_tilt},
                                        {"uniform_force", read_uniform},
                                        {"linear_drag", read_linear_drag},
                                        {"quadratic_drag", read_quadratic_drag},
                                        {"finite_reynolds_drag", read_finite_reynolds_drag},
-                                       {"buoyancy", read_buoyancy}};
+                                       {"buoyancy", read_buoyancy},
+                                       {"magnus", read_magnus},
+                                       {"periodic_force", read_periodic_force}};
   return table;
 }
 
@@ -82,8 +101,6 @@ const std::vector<Unavailable>& unavailable() {
       {"restitution", pair},
       {"cohesion", pair},
       {"wall_friction", "write it as `friction` of the pair that holds the wall's material"},
-      {"magnus", remove},
-      {"periodic_force", remove},
       {"rate_dependent_friction", remove},
       {"anisotropic_friction", remove},
       {"rate_dependent_restitution", remove},

@@ -69,7 +69,7 @@ TEST_P(Scale, EveryGrainShapeWithEveryLaw) {
 TEST_P(Scale, FluidDrag) {
   Model model = pile({.count = 40, .kinds = {"sphere", "ellipsoid"}, .law = everything});
   model.effects = {LinearDrag{0.02}, QuadraticDrag{0.47, 1.2}, FiniteReynoldsDrag{0.01, 1.2}, Buoyancy{1.2},
-                   GravityTilt{2, 3}};
+                   GravityTilt{2, 3}, Magnus{0.5, 1.2}, PeriodicForce{{1, 0, 2}, 5, 0.3}};
   REPOSE_SKIP_UNSUPPORTED(model);
   expect_same(GetParam(), "scaled grains with drag, buoyancy and tilt", model, 1e-3, 250);
 }
