@@ -15,7 +15,9 @@ constexpr double pi = std::numbers::pi;
 struct BodyLoad {
   const Body& body;
   const Vec3& velocity;
+  const Vec3& angular_velocity;
   const Vec3& gravity;
+  double time;
   Vec3 force = Vec3::Zero();
   double linear_damping = 0;
   double angular_damping = 0;
@@ -49,6 +51,17 @@ void add(const Buoyancy& effect, BodyLoad& load) {
   load.force -= effect.fluid_density * load.body.volume * load.gravity;
 }
 
+void add(const Magnus& effect, BodyLoad& load) {
+  const double radius = load.body.radius;
+  const double volume = 4.0 / 3 * pi * radius * radius * radius;
+  load.force += effect.lift * effect.fluid_density * volume * load.angular_velocity.cross(load.velocity);
+}
+
+void add(const PeriodicForce& effect, BodyLoad& load) {
+  load.force +=
+      load.body.mass * std::sin(2 * pi * effect.frequency * load.time + effect.phase) * effect.amplitude;
+}
+
 struct NameOf {
   std::string operator()(const GravityTilt&) const { return "gravity_tilt"; }
   std::string operator()(const UniformForce&) const { return "uniform_force"; }
@@ -56,6 +69,8 @@ struct NameOf {
   std::string operator()(const QuadraticDrag&) const { return "quadratic_drag"; }
   std::string operator()(const FiniteReynoldsDrag&) const { return "finite_reynolds_drag"; }
   std::string operator()(const Buoyancy&) const { return "buoyancy"; }
+  std::string operator()(const Magnus&) const { return "magnus"; }
+  std::string operator()(const PeriodicForce&) const { return "periodic_force"; }
 };
 
 }  // namespace
@@ -86,7 +101,12 @@ void evaluate_loads(const Model& model, const Snapshot& state, BodyLoads& loads)
   for (std::size_t i = 0; i < n; ++i) {
     const Body& body = model.bodies[i];
     if (!body.dynamic) continue;
-    BodyLoad load{.body = body, .velocity = state.velocity[i], .gravity = gravity, .force = body.mass * gravity};
+    BodyLoad load{.body = body,
+                  .velocity = state.velocity[i],
+                  .angular_velocity = state.angular_velocity[i],
+                  .gravity = gravity,
+                  .time = state.time,
+                  .force = body.mass * gravity};
     for (const Effect& effect : model.effects) std::visit([&](const auto& e) { add(e, load); }, effect);
     loads.force[i] = load.force;
     loads.linear_damping[i] = load.linear_damping;

@@ -48,13 +48,34 @@ struct Buoyancy {
   double fluid_density = 0;  ///< rho_f [kg/m^3], > 0
 };
 
+/// Lift on a body that spins in a still fluid (Magnus):
+///   F = lift rho_f (4/3) pi R^3  w x v [N]; no torque.   R: radius of the sphere of equal volume.
+/// Slow spheres (Reynolds number << 1): lift = 3/4 (Rubinow & Keller 1961); fast balls of games: 0.1 to 1; negative on
+/// smooth balls near the drag crisis (inverse Magnus effect).
+/// Explicit: with W = lift (rho_f / rho) |w| the path of frozen spin turns by atan(h W) per step and the speed grows by
+/// sqrt(1 + (h W)^2), that is by h W^2 t / 2 after the time t.
+struct Magnus {
+  double lift = 0;           ///< [1]
+  double fluid_density = 0;  ///< rho_f [kg/m^3], > 0
+};
+
+/// The same periodic acceleration on every body (a shaken frame of reference):
+///   F = m amplitude sin(2 pi frequency t + phase) [N], t: time at the start of the step.
+struct PeriodicForce {
+  Vec3 amplitude = Vec3::Zero();  ///< [m/s^2], world frame
+  double frequency = 0;           ///< [Hz], >= 0
+  double phase = 0;               ///< [rad]
+};
+
 /// One row per effect on bodies; scene key in the comment.
 using Effect = std::variant<GravityTilt,         // gravity_tilt
                             UniformForce,        // uniform_force
                             LinearDrag,          // linear_drag
                             QuadraticDrag,       // quadratic_drag
                             FiniteReynoldsDrag,  // finite_reynolds_drag
-                            Buoyancy>;           // buoyancy
+                            Buoyancy,            // buoyancy
+                            Magnus,              // magnus
+                            PeriodicForce>;      // periodic_force
 
 /// The scene key of an effect ("linear_drag").
 std::string effect_name(const Effect& effect);

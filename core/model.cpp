@@ -67,6 +67,23 @@ struct ScaleEffect {
   void operator()(QuadraticDrag&) const {}
   void operator()(FiniteReynoldsDrag& e) const { e.viscosity *= f.viscosity; }
   void operator()(Buoyancy&) const {}
+  void operator()(Magnus&) const {}
+  void operator()(PeriodicForce& e) const { e.frequency /= f.time; }
+};
+
+struct ScaleContactEffect {
+  const FroudeFactors& f;
+  void operator()(RateDependentFriction& e) const { e.reference_speed *= f.velocity; }
+  void operator()(AnisotropicFriction&) const {}
+  void operator()(RateDependentRestitution& e) const { e.reference_speed *= f.velocity; }
+  void operator()(LiquidBridge& e) const {
+    e.force *= f.cube;
+    e.rupture *= f.length;
+  }
+  void operator()(ContactCompliance& e) const {
+    e.stiffness *= f.cube / f.length;
+    e.damping *= f.cube / f.time;
+  }
 };
 
 void scale(Snapshot& state, const FroudeFactors& f) {
@@ -101,6 +118,7 @@ Model froude_scaled(const Model& model, double length) {
   for (Shape& shape : result.shapes) scale(shape, f);
   for (Body& body : result.bodies) scale(body, f);
   for (Effect& effect : result.effects) std::visit(ScaleEffect{f}, effect);
+  for (ContactEffect& effect : result.contact_effects) std::visit(ScaleContactEffect{f}, effect);
   scale(result.initial, f);
   return result;
 }

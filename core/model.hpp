@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/contact_effects.hpp"
 #include "core/effect.hpp"
 #include "core/material.hpp"
 #include "core/math.hpp"
@@ -65,6 +66,7 @@ struct Model {
   std::vector<std::string> names;
   Vec3 gravity{0, 0, -9.81};   ///< [m/s^2], before any tilt
   std::vector<Effect> effects;
+  std::vector<ContactEffect> contact_effects;  ///< of all contacts; at most one of each kind
   Snapshot initial;
 
   const PairLaw& law(int material_a, int material_b) const {

@@ -167,6 +167,50 @@ struct CheckEffect {
     fluid("finite_reynolds_drag", e.fluid_density);
   }
   void operator()(const Buoyancy& e) const { fluid("buoyancy", e.fluid_density); }
+  void operator()(const Magnus& e) const {
+    const auto place = [] { return std::string("effects.magnus.lift"); };
+    require(std::isfinite(e.lift), place, "the lift is not finite", "a slow sphere: 0.75");
+    fluid("magnus", e.fluid_density);
+  }
+  void operator()(const PeriodicForce& e) const {
+    const auto place = [] { return std::string("effects.periodic_force"); };
+    require(e.amplitude.allFinite() && std::isfinite(e.phase), place, "the amplitude or phase is not finite",
+            "give three numbers in m/s^2 and an angle");
+    require(not_negative(e.frequency), place, "the frequency is negative or not finite", "give it in Hz, at least 0");
+  }
+};
+
+struct CheckContactEffect {
+  static void speed(const char* name, double value) {
+    const auto place = [&] { return std::string("effects.") + name + ".reference_speed"; };
+    require(positive(value), place, "the reference speed must be positive and finite", "give it in m/s");
+  }
+  void operator()(const RateDependentFriction& e) const {
+    const auto place = [] { return std::string("effects.rate_dependent_friction.slope"); };
+    require(std::isfinite(e.slope), place, "the slope is not finite", "rock: 0.01 per factor e of speed");
+    speed("rate_dependent_friction", e.reference_speed);
+  }
+  void operator()(const AnisotropicFriction& e) const {
+    const auto place = [] { return std::string("effects.anisotropic_friction"); };
+    require(positive(e.ratio), place, "the ratio must be positive and finite", "1 leaves friction as it is");
+    require(std::isfinite(e.direction_deg), place, "the direction is not finite", "give degrees");
+  }
+  void operator()(const RateDependentRestitution& e) const {
+    const auto place = [] { return std::string("effects.rate_dependent_restitution.exponent"); };
+    require(std::isfinite(e.exponent), place, "the exponent is not finite", "plastic spheres: 0.25");
+    speed("rate_dependent_restitution", e.reference_speed);
+  }
+  void operator()(const LiquidBridge& e) const {
+    const auto place = [] { return std::string("effects.liquid_bridge"); };
+    require(not_negative(e.force), place, "the force is negative or not finite", "give it in N");
+    require(positive(e.rupture), place, "the rupture gap must be positive and finite", "give it in m");
+  }
+  void operator()(const ContactCompliance& e) const {
+    const auto place = [] { return std::string("effects.contact_compliance"); };
+    require(positive(e.stiffness), place, "the stiffness must be positive and finite",
+            "leave the effect out for rigid contacts");
+    require(not_negative(e.damping), place, "the damping is negative or not finite", "give it in N s/m");
+  }
 };
 
 }  // namespace
@@ -180,6 +224,7 @@ void validate(const Model& model) {
   const auto gravity = [] { return std::string("gravity"); };
   require(model.gravity.allFinite(), gravity, "gravity is not finite", "give three numbers in m/s^2");
   for (const Effect& effect : model.effects) std::visit(CheckEffect{}, effect);
+  for (const ContactEffect& effect : model.contact_effects) std::visit(CheckContactEffect{}, effect);
 }
 
 }  // namespace repose

@@ -26,6 +26,7 @@ class Realiser {
     }
     model_.gravity = scene.gravity;
     model_.effects = scene.effects;
+    model_.contact_effects = scene.contact_effects;
   }
 
   Model make(std::uint64_t seed) {

@@ -76,6 +76,29 @@ template <class Io> void fields(Io& io, FiniteReynoldsDrag& x) {
   io("fluid_density", x.fluid_density);
 }
 template <class Io> void fields(Io& io, Buoyancy& x) { io("fluid_density", x.fluid_density); }
+template <class Io> void fields(Io& io, Magnus& x) { io("lift", x.lift); io("fluid_density", x.fluid_density); }
+template <class Io> void fields(Io& io, PeriodicForce& x) {
+  io("amplitude", x.amplitude);
+  io("frequency", x.frequency);
+  io("phase", x.phase);
+}
+template <class Io> void fields(Io& io, RateDependentFriction& x) {
+  io("slope", x.slope);
+  io("reference_speed", x.reference_speed);
+}
+template <class Io> void fields(Io& io, AnisotropicFriction& x) {
+  io("ratio", x.ratio);
+  io("direction_deg", x.direction_deg);
+}
+template <class Io> void fields(Io& io, RateDependentRestitution& x) {
+  io("exponent", x.exponent);
+  io("reference_speed", x.reference_speed);
+}
+template <class Io> void fields(Io& io, LiquidBridge& x) { io("force", x.force); io("rupture", x.rupture); }
+template <class Io> void fields(Io& io, ContactCompliance& x) {
+  io("stiffness", x.stiffness);
+  io("damping", x.damping);
+}
 
 // ---- the names of the alternatives of a variant ----
 
@@ -94,6 +117,13 @@ const char* tag(const LinearDrag&) { return "linear_drag"; }
 const char* tag(const QuadraticDrag&) { return "quadratic_drag"; }
 const char* tag(const FiniteReynoldsDrag&) { return "finite_reynolds_drag"; }
 const char* tag(const Buoyancy&) { return "buoyancy"; }
+const char* tag(const Magnus&) { return "magnus"; }
+const char* tag(const PeriodicForce&) { return "periodic_force"; }
+const char* tag(const RateDependentFriction&) { return "rate_dependent_friction"; }
+const char* tag(const AnisotropicFriction&) { return "anisotropic_friction"; }
+const char* tag(const RateDependentRestitution&) { return "rate_dependent_restitution"; }
+const char* tag(const LiquidBridge&) { return "liquid_bridge"; }
+const char* tag(const ContactCompliance&) { return "contact_compliance"; }
 
 /// Bodies that are more than a row of numbers.
 struct BodyExtra {
@@ -114,6 +144,7 @@ struct Description {
   std::vector<std::string> names;
   Vec3 gravity = Vec3::Zero();
   std::vector<Effect> effects;
+  std::vector<ContactEffect> contact_effects;
   std::vector<BodyExtra> bodies;
 };
 template <class Io> void fields(Io& io, Description& x) {
@@ -123,6 +154,7 @@ template <class Io> void fields(Io& io, Description& x) {
   io("names", x.names);
   io("gravity", x.gravity);
   io("effects", x.effects);
+  io.if_any("contact_effects", x.contact_effects);
   io("bodies", x.bodies);
 }
 
@@ -131,6 +163,10 @@ template <class Io> void fields(Io& io, Description& x) {
 class ToJson {
  public:
   template <class T> void operator()(const char* key, const T& value) { out_[key] = convert(value); }
+  /// A list that is left out when empty: files of scenes without it stay what they were.
+  template <class T> void if_any(const char* key, const std::vector<T>& list) {
+    if (!list.empty()) (*this)(key, list);
+  }
   Json take() { return std::move(out_); }
 
   static Json convert(double x) {
@@ -169,6 +205,9 @@ class FromJson {
  public:
   explicit FromJson(const Json& in) : in_(in) {}
   template <class T> void operator()(const char* key, T& value) { convert(in_.at(key), value); }
+  template <class T> void if_any(const char* key, std::vector<T>& list) {
+    if (in_.contains(key)) (*this)(key, list);
+  }
 
   static void convert(const Json& j, double& x) {
     if (!j.is_string()) {
@@ -216,7 +255,7 @@ class FromJson {
 }  // namespace
 
 std::string describe_model(const Model& model) {
-  Description d{model.materials, model.laws, model.shapes, model.names, model.gravity, model.effects, {}};
+  Description d{model.materials, model.laws, model.shapes, model.names, model.gravity, model.effects, model.contact_effects, {}};
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
     if (!(body.motion == Motion{}) || !body.active.empty())
@@ -234,6 +273,7 @@ void parse_model_description(const std::string& json, std::size_t body_count, Mo
   model.names = std::move(d.names);
   model.gravity = d.gravity;
   model.effects = std::move(d.effects);
+  model.contact_effects = std::move(d.contact_effects);
   model.bodies.assign(body_count, Body{});
   for (BodyExtra& extra : d.bodies) {
     Body& body = model.bodies.at(static_cast<std::size_t>(extra.body));

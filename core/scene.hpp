@@ -56,6 +56,7 @@ struct Scene {
   GrainProportions proportions;
   Vec3 gravity{0, 0, -9.81};
   std::vector<Effect> effects;
+  std::vector<ContactEffect> contact_effects;
   SolverOptions solver;
   double duration = 0;                    ///< [s], > 0
   double frame_interval = 0;              ///< between recorded frames [s], > 0

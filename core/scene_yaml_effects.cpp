@@ -57,13 +57,86 @@ Effect read_buoyancy(const YamlReader& reader) {
   return buoyancy;
 }
 
+Effect read_magnus(const YamlReader& reader) {
+  reader.only({"lift", "fluid_density"});
+  Magnus magnus;
+  reader.require("lift", magnus.lift, any(dimension::none));
+  reader.require("fluid_density", magnus.fluid_density, positive(dimension::density));
+  return magnus;
+}
+
+Effect read_periodic_force(const YamlReader& reader) {
+  reader.only({"amplitude", "frequency", "phase"});
+  PeriodicForce force;
+  reader.require("amplitude", force.amplitude, any(dimension::acceleration));
+  reader.require("frequency", force.frequency, non_negative(dimension::frequency));
+  reader.read("phase", force.phase, any(dimension::angle));
+  return force;
+}
+
+ContactEffect read_rate_dependent_friction(const YamlReader& reader) {
+  reader.only({"slope", "reference_speed"});
+  RateDependentFriction effect;
+  reader.require("slope", effect.slope, any(dimension::none));
+  reader.require("reference_speed", effect.reference_speed, positive(dimension::velocity));
+  return effect;
+}
+
+ContactEffect read_anisotropic_friction(const YamlReader& reader) {
+  reader.only({"ratio", "direction_deg"});
+  AnisotropicFriction effect;
+  reader.require("ratio", effect.ratio, positive(dimension::none));
+  reader.read("direction_deg", effect.direction_deg, degrees(-360, 360));
+  return effect;
+}
+
+ContactEffect read_rate_dependent_restitution(const YamlReader& reader) {
+  reader.only({"exponent", "reference_speed"});
+  RateDependentRestitution effect;
+  reader.require("exponent", effect.exponent, any(dimension::none));
+  reader.require("reference_speed", effect.reference_speed, positive(dimension::velocity));
+  return effect;
+}
+
+ContactEffect read_liquid_bridge(const YamlReader& reader) {
+  reader.only({"force", "rupture"});
+  LiquidBridge effect;
+  reader.require("force", effect.force, non_negative(dimension::force));
+  reader.require("rupture", effect.rupture, positive(dimension::length));
+  return effect;
+}
+
+ContactEffect read_contact_compliance(const YamlReader& reader) {
+  reader.only({"stiffness", "damping"});
+  ContactCompliance effect;
+  reader.require("stiffness", effect.stiffness, positive(dimension::stiffness));
+  reader.read("damping", effect.damping, non_negative(dimension::damping));
+  return effect;
+}
+
+struct ContactKind {
+  std::string name;
+  ContactEffect (*read)(const YamlReader&);
+};
+
+const std::vector<ContactKind>& contact_kinds() {
+  static const std::vector<ContactKind> table{{"rate_dependent_friction", read_rate_dependent_friction},
+                                              {"anisotropic_friction", read_anisotropic_friction},
+                                              {"rate_dependent_restitution", read_rate_dependent_restitution},
+                                              {"liquid_bridge", read_liquid_bridge},
+                                              {"contact_compliance", read_contact_compliance}};
+  return table;
+}
+
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table{{"gravity_tilt", read_tilt},
                                        {"uniform_force", read_uniform},
                                        {"linear_drag", read_linear_drag},
                                        {"quadratic_drag", read_quadratic_drag},
                                        {"finite_reynolds_drag", read_finite_reynolds_drag},
-                                       {"buoyancy", read_buoyancy}};
+                                       {"buoyancy", read_buoyancy},
+                                       {"magnus", read_magnus},
+                                       {"periodic_force", read_periodic_force}};
   return table;
 }
 
@@ -82,13 +155,6 @@ const std::vector<Unavailable>& unavailable() {
       {"restitution", pair},
       {"cohesion", pair},
       {"wall_friction", "write it as `friction` of the pair that holds the wall's material"},
-      {"magnus", remove},
-      {"periodic_force", remove},
-      {"rate_dependent_friction", remove},
-      {"anisotropic_friction", remove},
-      {"rate_dependent_restitution", remove},
-      {"liquid_bridge", remove},
-      {"contact_compliance", remove},
       {"thermal_softening", remove},
       {"base_vibration", "write `motion: {vibration_amplitude, vibration_frequency}` under the tool"},
       {"moving_wall_speed", "change the `motion` of the tool"},
@@ -107,10 +173,15 @@ const std::vector<Unavailable>& unavailable() {
   return table;
 }
 
-const Kind& find_kind(const std::string& name, const YamlReader& reader) {
+/// Reads one entry of the block into the scene.
+void read_effect(const std::string& name, const YamlReader& reader, Scene& scene) {
   std::vector<std::string> names;
   for (const Kind& kind : kinds()) {
-    if (kind.name == name) return kind;
+    if (kind.name == name) return scene.effects.push_back(kind.read(reader));
+    names.push_back(kind.name);
+  }
+  for (const ContactKind& kind : contact_kinds()) {
+    if (kind.name == name) return scene.contact_effects.push_back(kind.read(reader));
     names.push_back(kind.name);
   }
   for (const Unavailable& other : unavailable())
@@ -127,7 +198,7 @@ void read_effects(const YamlReader& block, Scene& scene) {
   std::vector<std::pair<std::string, YamlReader>> entries = block.named();
   // The order of effects is that of their names: it must not depend on how the file was written.
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [name, reader] : entries) scene.effects.push_back(find_kind(name, reader).read(reader));
+  for (const auto& [name, reader] : entries) read_effect(name, reader, scene);
 }
 
 }  // namespace repose

@@ -268,7 +268,7 @@ class WorldBullet final : public World {
 
 }  // namespace
 
-std::vector<std::string> unsupported(const Model&) { return {}; }
+std::vector<std::string> unsupported(const Model& model) { return contact_effect_names(model); }
 
 std::unique_ptr<World> make_world(const Model& model, const SolverOptions& options) {
   validate(model);

@@ -70,9 +70,9 @@ REPOSE_INLINE void second_tangent(const Batch<Real>& c, Lanes<Real>* t2) {
   cross<Real>(c.normal, c.tangent, t2);
 }
 
-/// u = J v. Rows 3 to 5 only with Rotational.
+/// u = J v. Rows 3 to 5 only with Rotational. `across`: PackedProblem::across.
 template <class Real, bool Rotational>
-REPOSE_INLINE void relative_velocity(const Batch<Real>& c, const Lanes<Real>* t2, const Lanes<Real>* va,
+REPOSE_INLINE void relative_velocity(const Batch<Real>& c, const Lanes<Real>* t2, Real across, const Lanes<Real>* va,
                                      const Lanes<Real>* wa, const Lanes<Real>* vb, const Lanes<Real>* wb, Lanes<Real>* u) {
   Lanes<Real> ca[3], cb[3], d[3];
   cross<Real>(wa, c.arm_a, ca);
@@ -81,7 +81,7 @@ REPOSE_INLINE void relative_velocity(const Batch<Real>& c, const Lanes<Real>* t2
   for (int k = 0; k < 3; ++k) d[k] = (vb[k] - va[k]) + (cb[k] - ca[k]);
   u[0] = dot<Real>(c.normal, d);
   u[1] = dot<Real>(c.tangent, d);
-  u[2] = dot<Real>(t2, d);
+  u[2] = across * dot<Real>(t2, d);
   if constexpr (Rotational) {
 #pragma GCC unroll 6
     for (int k = 0; k < 3; ++k) d[k] = c.arm * (wb[k] - wa[k]);
@@ -93,11 +93,12 @@ REPOSE_INLINE void relative_velocity(const Batch<Real>& c, const Lanes<Real>* t2
 
 /// Force impulse and couple that the rows g amount to, acting on b.
 template <class Real, bool Rotational>
-REPOSE_INLINE void wrench(const Batch<Real>& c, const Lanes<Real>* t2, const Lanes<Real>* g, Lanes<Real>* force,
-                          Lanes<Real>* couple) {
+REPOSE_INLINE void wrench(const Batch<Real>& c, const Lanes<Real>* t2, Real across, const Lanes<Real>* g,
+                          Lanes<Real>* force, Lanes<Real>* couple) {
+  const Lanes<Real> g2 = across * g[2];
 #pragma GCC unroll 6
   for (int k = 0; k < 3; ++k) {
-    force[k] = g[0] * c.normal[k] + g[1] * c.tangent[k] + g[2] * t2[k];
+    force[k] = g[0] * c.normal[k] + g[1] * c.tangent[k] + g2 * t2[k];
     if constexpr (Rotational) {
       couple[k] = c.arm * (g[3] * c.tangent[k] + g[4] * t2[k] + g[5] * c.normal[k]);
     } else {
@@ -158,6 +159,13 @@ REPOSE_INLINE double lane_sum(const Lanes<Real>& x) {
   double sum = 0;
   for (int l = 0; l < lane_count<Real>; ++l) sum += static_cast<double>(x[l]);
   return sum;
+}
+
+/// u_n += eps g_n where the contacts of batch i give way.
+template <class Real>
+REPOSE_INLINE void add_compliance(const PackedProblem<Real>& packed, std::size_t i, const Lanes<Real>& normal_impulse,
+                                  Lanes<Real>& u) {
+  if (!packed.compliance.empty()) u += packed.compliance[i].x * normal_impulse;
 }
 
 /// Calls f(std::bool_constant<Rotational>) for the problem's kind.

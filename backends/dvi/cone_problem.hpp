@@ -12,6 +12,8 @@
 ///   0 normal, 1-2 sliding: relative velocity at the contact point;  impulse [N s]
 ///   3-4 rolling, 5 spinning: relative angular velocity times `arm`, so that all rows are velocities; impulse times arm is
 ///   the moment. rho and sigma are therefore dimensionless here: (arm of the resisting moment) / arm.
+/// Two extensions, off by default. Compliance eps of a contact: u_n is replaced by u_n + eps g_n. Orthotropic friction: with
+/// `across` = r, (g_1)^2 + (g_2 / r)^2 <= (mu p)^2, and |u_t| is replaced by |(u_1, r u_2)|.
 /// The impulse acts on b, its opposite on a. The unit system is the caller's.
 #include <array>
 #include <cstdint>
@@ -40,6 +42,16 @@ struct ConeContact {
   double spinning = 0;            ///< sigma
   double arm = 1;                 ///< length that turns angular rows into velocities, > 0
   double cohesion = 0;            ///< impulse that the contact can hold in tension, c h >= 0
+  double compliance = 0;          ///< eps >= 0: velocity per impulse by which the contact gives way; 0: rigid
+  Vec3 along = Vec3::Zero();      ///< first tangent, unit, normal to `normal`; zero: that of tangent_frame()
+};
+
+/// mu of a contact at the slip speed s, for problems in which it follows the slip that the impulses leave:
+///   mu(s) = max(0, friction + slope ln(max(s / speed, 1e-6))),  slope > 0.
+struct SlipLaw {
+  double slope = 0;               ///< 0: off, every contact keeps ConeContact::friction
+  double speed = 1;
+  std::vector<double> friction;   ///< of each contact, at s = speed; ConeContact::friction is the first guess
 };
 
 struct ConeProblem {
@@ -49,6 +61,8 @@ struct ConeProblem {
   std::vector<Vec3> velocity;           ///< in: free velocity v + M^-1 h f (prescribed: the given one)
   std::vector<Vec3> angular_velocity;
   std::vector<ConeContact> contacts;
+  double across = 1;              ///< r: friction along the second tangent / along the first, > 0
+  SlipLaw slip_law;
 };
 
 /// Two unit vectors that make (n, t1, t2) right-handed; a function of n alone.
@@ -59,6 +73,16 @@ inline void tangent_frame(const Vec3& n, Vec3& t1, Vec3& t2) {
   const double b = n.x() * n.y() * a;
   t1 = Vec3(1.0 + sign * n.x() * n.x() * a, sign * b, -sign * n.x());
   t2 = Vec3(b, sign + n.y() * n.y() * a, -n.y());
+}
+
+/// The tangents of a contact: rows 1 and 2, and 3 and 4.
+inline void contact_frame(const ConeContact& c, Vec3& t1, Vec3& t2) {
+  if (c.along.isZero(0)) {
+    tangent_frame(c.normal, t1, t2);
+    return;
+  }
+  t1 = c.along;
+  t2 = c.normal.cross(c.along);
 }
 
 }  // namespace repose::dvi

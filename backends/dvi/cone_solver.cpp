@@ -8,6 +8,7 @@
 #include "backends/dvi/packed_problem.hpp"
 #include "backends/dvi/projected_gradient.hpp"
 #include "backends/dvi/residual.hpp"
+#include "backends/dvi/slip_law.hpp"
 
 namespace repose::dvi {
 
@@ -52,6 +53,7 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
   // Few contacts are not worth waking a thread for.
   const int threads = problem.contacts.size() < 1000 ? 1 : options.threads;
   PackedProblem<Real> packed = pack<Real>(problem, colouring, impulse, threads);
+  renew_friction(packed, problem, threads);
   SolveReport report;
   report.bytes = packed.bytes();
   report.residual = residual(packed, options.law, threads);
@@ -82,6 +84,7 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
       gauss_seidel(packed, options.law, n, relaxation, momentum ? &*momentum : nullptr, threads);
       report.iterations += n;
     }
+    renew_friction(packed, problem, threads);
     const double before = report.residual;
     report.residual = residual(packed, options.law, threads);
     if (momentum && report.residual > before) {

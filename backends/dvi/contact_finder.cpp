@@ -39,8 +39,10 @@ ContactFinder::ContactFinder(const Model& model, double unit) : model_(model), u
     }
     first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
   }
+  const LiquidBridge* bridge = find_contact_effect<LiquidBridge>(model.contact_effects);
   for (const PairLaw& law : model.laws) {
-    const double range = law.cohesion > 0 ? law.cohesion_range / unit : 0.0;
+    double range = law.cohesion > 0 ? law.cohesion_range / unit : 0.0;
+    if (bridge != nullptr) range = std::max(range, bridge->rupture / unit);
     cohesion_range_.push_back(range);
     widest_cohesion_ = std::max(widest_cohesion_, range);
   }
@@ -237,6 +239,7 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
   search_margin_ = search_margin;
   present_ = placement.present;
   place_parts(placement, threads);
+  std::fill(stir_.begin(), stir_.end(), 0.0);  // what tools touch must not depend on the step before
   find_tool_contacts(placement, step, threads);
   local_speeds(placement, step);
 

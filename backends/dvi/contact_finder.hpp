@@ -40,7 +40,7 @@ class ContactFinder {
   ContactFinder(const Model& model, double unit);
 
   /// Every contact that can close within the step: those with tools first, then those of free bodies in spatial order.
-  /// Kept are contacts within the cohesion range, and those with
+  /// Kept are contacts within the cohesion range or the rupture gap of liquid bridges, and those with
   ///   gap + step * u_n  <=  search_margin * (step * stir / 4 + a fiftieth of the smaller radius)
   /// where u_n is the normal velocity that the two would have without contacts, and stir the largest difference of two
   /// velocities found near them (within about two of the largest diameters, a touched tool's velocity included): what a

@@ -125,14 +125,16 @@ template <class Real, bool Rotational>
 }
 
 template <class Real, bool Rotational, bool Exact>
-void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
+void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
+  Batch<Real>& c = packed.batches[batch];
   constexpr int rows = Rotational ? 6 : 3;
   V<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6], g[6], force[3], couple[3], mass, inertia[6];
   gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
   gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
   second_tangent<Real>(c, t2);
-  relative_velocity<Real, Rotational>(c, t2, va, wa, vb, wb, u);
+  relative_velocity<Real, Rotational>(c, t2, packed.across, va, wa, vb, wb, u);
   u[0] += c.bias;
+  add_compliance<Real>(packed, batch, c.impulse[0], u[0]);
 #pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) g[k] = c.impulse[k];
   if constexpr (Exact) {
@@ -148,7 +150,7 @@ void visit(PackedProblem<Real>& packed, Batch<Real>& c, Real relaxation) {
     c.impulse[k] = g[k];
     g[k] = d;
   }
-  wrench<Real, Rotational>(c, t2, g, force, couple);
+  wrench<Real, Rotational>(c, t2, packed.across, g, force, couple);
   gather_inverse<Real>(packed.inverse.data(), c.a, mass, inertia);
   apply_wrench<Real>(Real(-1), c.arm_a, mass, inertia, force, couple, va, wa);
   scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, c.a, va, wa);
@@ -166,7 +168,7 @@ void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, Momentum<Re
       const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
 #pragma omp for schedule(static)
       for (std::int32_t i = first; i < last; ++i)
-        visit<Real, Rotational, Exact>(packed, packed.batches[static_cast<std::size_t>(i)], relaxation);
+        visit<Real, Rotational, Exact>(packed, static_cast<std::size_t>(i), relaxation);
     }
     if (momentum == nullptr) continue;
     const bool move = s + 1 < sweeps;  // what is handed out stays in the cones

@@ -31,7 +31,7 @@ Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, 
   const Vec3 d = velocity[b] + angular_velocity[b].cross(c.arm_b) - velocity[a] - angular_velocity[a].cross(c.arm_a);
   const Vec3 w = c.arm * (angular_velocity[b] - angular_velocity[a]);
   Vec3 t1, t2;
-  tangent_frame(c.normal, t1, t2);
+  contact_frame(c, t1, t2);
   return {c.normal.dot(d), t1.dot(d), t2.dot(d), t1.dot(w), t2.dot(w), c.normal.dot(w)};
 }
 
@@ -44,7 +44,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
   for (std::size_t i = 0; i < n; ++i) {
     ConeContact& c = problem.contacts[i];
     const ImpactData& d = data[i];
-    c.bias = std::max(d.gap, 0.0) / step;
+    if (c.compliance == 0) c.bias = std::max(d.gap, 0.0) / step;
     if (!(d.restitution > 0) || !(d.before < 0)) continue;
     const double free = relative_velocity(c, problem.velocity, problem.angular_velocity)[0];
     bounce[i].may = -d.before > 2 * std::abs(free - d.before);
@@ -52,6 +52,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
     if (bounce[i].may && d.gap + step * free <= 0) {
       bounce[i].active = true;
       c.bias = d.restitution * d.before;
+      c.compliance = 0;
     }
   }
   SolveReport report = solver(problem, impulse, velocity, angular_velocity);
@@ -63,6 +64,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
       if (!bounce[i].may || bounce[i].active || !(impulse[i][0] > 0)) continue;
       bounce[i].active = true;
       problem.contacts[i].bias = data[i].restitution * data[i].before;
+      problem.contacts[i].compliance = 0;
       changed = true;
     }
     if (!changed) break;

@@ -22,7 +22,8 @@ namespace repose::dvi {
 
 struct ImpactData {
   double gap = 0;          ///< at the start of the step
-  double restitution = 0;  ///< e
+  double restitution = 0;  ///< e; a compliant contact that bounces is rigid in this step. One that does not keeps the bias
+                           ///< that it came with, others get gap / h
   double before = 0;       ///< u_n at the start of the step
 };
 

@@ -40,6 +40,7 @@ void compute_block(const PackedProblem<Real>& packed, Batch<Real>& c) {
     gather_inverse<Real>(packed.inverse.data(), side == 0 ? c.a : c.b, mass, inertia);
     V turn[6][3], response[6][3];  // angular parts of the six rows
     for (int i = 0; i < 3; ++i) cross<Real>(arm, direction[i], turn[i]);
+    for (int k = 0; k < 3; ++k) turn[2][k] *= packed.across;
     for (int k = 0; k < 3; ++k) {
       turn[3][k] = c.arm * c.tangent[k];
       turn[4][k] = c.arm * t2[k];
@@ -48,7 +49,7 @@ void compute_block(const PackedProblem<Real>& packed, Batch<Real>& c) {
     for (int i = 0; i < 6; ++i) multiply_symmetric<Real>(inertia, turn[i], response[i]);
     for (int i = 0; i < 6; ++i)
       for (int j = i; j < 6; ++j) c.w[block_index(i, j)] += dot<Real>(turn[i], response[j]);
-    for (int i = 0; i < 3; ++i) c.w[block_index(i, i)] += mass;
+    for (int i = 0; i < 3; ++i) c.w[block_index(i, i)] += i == 2 ? packed.across * packed.across * mass : mass;
   }
   for (int i = 0; i < 6; ++i) {
     V& d = c.w[block_index(i, i)];
@@ -61,7 +62,7 @@ void compute_block(const PackedProblem<Real>& packed, Batch<Real>& c) {
 template <class Real>
 std::size_t PackedProblem<Real>::bytes() const {
   return velocity.size() * sizeof(BodyVelocity<Real>) + inverse.size() * sizeof(BodyInverse<Real>) +
-         batches.size() * sizeof(Batch<Real>) + contact.size() * sizeof(std::int32_t);
+         batches.size() * sizeof(Batch<Real>) + compliance.size() * sizeof(OneLane<Real>) + contact.size() * sizeof(std::int32_t);
 }
 
 template <class Real>
@@ -97,9 +98,14 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
     for (std::size_t i = first; i < last; ++i) packed.contact[slot + (i - first)] = colouring.order[i];
   }
 
-  bool rotational = false;
-  for (const ConeContact& c : problem.contacts) rotational = rotational || c.rolling > 0 || c.spinning > 0;
+  bool rotational = false, compliant = false;
+  for (const ConeContact& c : problem.contacts) {
+    rotational = rotational || c.rolling > 0 || c.spinning > 0;
+    compliant = compliant || c.compliance > 0;
+  }
   packed.rotational = rotational;
+  if (compliant) packed.compliance.resize(packed.batches.size(), OneLane<Real>{});
+  packed.across = static_cast<Real>(problem.across);
 
   const auto batches = static_cast<std::ptrdiff_t>(packed.batches.size());
 #pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
@@ -116,12 +122,14 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
       batch.a[l] = c.a;
       batch.b[l] = c.b;
       Vec3 t1, t2;
-      tangent_frame(c.normal, t1, t2);
+      contact_frame(c, t1, t2);
       set3<Real>(batch.normal, l, c.normal);
       set3<Real>(batch.tangent, l, t1);
       set3<Real>(batch.arm_a, l, c.arm_a);
       set3<Real>(batch.arm_b, l, c.arm_b);
       for (std::size_t k = 0; k < 6; ++k) batch.impulse[k][l] = rotational || k < 3 ? static_cast<Real>(g[k]) : Real(0);
+      batch.impulse[2][l] /= packed.across;
+      if (compliant) packed.compliance[static_cast<std::size_t>(i)].x[l] = static_cast<Real>(c.compliance);
       batch.bias[l] = static_cast<Real>(c.bias);
       batch.friction[l] = static_cast<Real>(c.friction);
       batch.rolling[l] = static_cast<Real>(c.rolling);
@@ -130,6 +138,7 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
       batch.cohesion[l] = static_cast<Real>(c.cohesion);
     }
     compute_block(packed, batch);
+    if (compliant) batch.w[0] += packed.compliance[static_cast<std::size_t>(i)].x;
   }
   accumulate_velocities(packed, problem, threads);
   return packed;
@@ -152,7 +161,7 @@ void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& probl
         const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
         Lanes<Real> t2[3], force[3], couple[3], mass, inertia[6], v[3], w[3];
         second_tangent<Real>(c, t2);
-        wrench<Real, rows>(c, t2, c.impulse, force, couple);
+        wrench<Real, rows>(c, t2, packed.across, c.impulse, force, couple);
         for (int side = 0; side < 2; ++side) {
           const std::int32_t* index = side == 0 ? c.a : c.b;
           gather_velocity<Real>(packed.velocity.data(), index, v, w);
@@ -175,6 +184,7 @@ void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::
     const auto lane = static_cast<int>(slot % PackedProblem<Real>::lanes);
     for (std::size_t k = 0; k < 6; ++k)
       impulse[static_cast<std::size_t>(packed.contact[slot])][k] = static_cast<double>(batch.impulse[k][lane]);
+    impulse[static_cast<std::size_t>(packed.contact[slot])][2] *= problem.across;
   }
   const auto apply = [&](std::int32_t body, const Vec3& force, const Vec3& torque) {
     if (body >= problem.dynamic_bodies) return;
@@ -189,7 +199,7 @@ void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::
     const ConeContact& c = problem.contacts[i];
     const Impulse& g = impulse[i];
     Vec3 t1, t2;
-    tangent_frame(c.normal, t1, t2);
+    contact_frame(c, t1, t2);
     const Vec3 force = g[0] * c.normal + g[1] * t1 + g[2] * t2;
     const Vec3 couple = c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal);
     apply(c.a, -force, -(c.arm_a.cross(force) + couple));

@@ -30,6 +30,12 @@ struct alignas(lane_bytes) Batch {
   std::int32_t a[lane_count<Real>], b[lane_count<Real>];  ///< bodies; padding lanes: the idle body
 };
 
+/// Lanes as an element of a container (a bare vector type loses its attribute as a template argument).
+template <class Real>
+struct alignas(lane_bytes) OneLane {
+  Lanes<Real> x;
+};
+
 /// Velocity of a body, one cache line (64 bytes in double, half of it in single precision).
 template <class Real>
 struct alignas(8 * sizeof(Real)) BodyVelocity {
@@ -51,6 +57,8 @@ struct PackedProblem {
   std::vector<Batch<Real>> batches;
   std::vector<std::int32_t> colour_start;     ///< of each colour in `batches`, plus the end
   std::vector<std::int32_t> contact;          ///< contact of each lane of each batch, -1: padding
+  std::vector<OneLane<Real>> compliance;      ///< of each batch; empty if all contacts are rigid
+  Real across = 1;                            ///< ConeProblem::across: row 2 is that of across * (second tangent)
   bool rotational = false;                    ///< some contact has rolling or spinning friction
   double kinetic_scale = 0;                   ///< sqrt(sum m v^2) of the free motion [sqrt(J)]
 

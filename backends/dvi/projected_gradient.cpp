@@ -13,12 +13,6 @@ struct alignas(lane_bytes) Rows {
   Lanes<Real> row[6];
 };
 
-/// Lanes as an element of a container (a bare vector type loses its attribute as a template argument).
-template <class Real>
-struct One {
-  Lanes<Real> x;
-};
-
 template <class Real>
 using RowField = std::vector<Rows<Real>>;
 
@@ -32,8 +26,8 @@ struct ProjectedGradient<Real>::Impl {
   ContactLaw law;
   int threads;
   int rows;
-  std::vector<One<Real>> scale;       // l of each contact: the metric
-  std::vector<One<Real>> correction;  // of the normal row, frozen during a phase
+  std::vector<OneLane<Real>> scale;       // l of each contact: the metric
+  std::vector<OneLane<Real>> correction;  // of the normal row, frozen during a phase
   double step = 1;                      // of the scaled problem, whose N has eigenvalues of order one
   RowField<Real> g, gradient, g_next, gradient_next, y, gradient_y;
 
@@ -89,9 +83,10 @@ struct ProjectedGradient<Real>::Impl {
         gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
         second_tangent<Real>(c, t2);
         Lanes<Real>* u = out[i].row;
-        relative_velocity<Real, r>(c, t2, va, wa, vb, wb, u);
+        relative_velocity<Real, r>(c, t2, packed.across, va, wa, vb, wb, u);
         if (renew_correction) correction[i].x = law == ContactLaw::exact ? de_saxce<Real, r>(c, u) : Lanes<Real>{};
         u[0] += c.bias + correction[i].x;
+        add_compliance<Real>(packed, i, c.impulse[0], u[0]);
       });
     });
   }

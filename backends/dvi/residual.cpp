@@ -27,8 +27,9 @@ double residual(const PackedProblem<Real>& packed, ContactLaw law, int threads) 
         gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
         gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
         second_tangent<Real>(c, t2);
-        relative_velocity<Real, rows>(c, t2, va, wa, vb, wb, u);
+        relative_velocity<Real, rows>(c, t2, packed.across, va, wa, vb, wb, u);
         u[0] += c.bias;
+        add_compliance<Real>(packed, static_cast<std::size_t>(i), c.impulse[0], u[0]);
         if (law == ContactLaw::exact) u[0] += de_saxce<Real, rows>(c, u);
         const Lanes<Real> inverse = Real(1) / c.w[0];
         for (int k = 0; k < n; ++k) g[k] = c.impulse[k] - inverse * u[k];

@@ -6,6 +6,7 @@
 
 #include "backends/dvi/cone_solver.hpp"
 #include "backends/dvi/contact_finder.hpp"
+#include "backends/dvi/world_dvi_laws.hpp"
 #include "backends/dvi/impact.hpp"
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/units.hpp"
@@ -32,7 +33,7 @@ struct KeptImpulse {
 class WorldDvi final : public World {
  public:
   WorldDvi(const Model& model, const SolverOptions& options)
-      : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length) {
+      : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length), laws_(model_, units_) {
     const std::size_t n = model.bodies.size();
     slot_.assign(n, -1);
     for (std::size_t i = 0; i < n; ++i) {
@@ -65,7 +66,7 @@ class WorldDvi final : public World {
     advance(h);
     time_ += dt;
     last_step_ = h;
-    remove_penetration();
+    if (!laws_.compliant()) remove_penetration();
     return report;
   }
 
@@ -238,6 +239,7 @@ class WorldDvi final : public World {
     }
     problem_.contacts.resize(found.size());
     impact_.resize(found.size());
+    laws_.begin(problem_);
     for (std::size_t i = 0; i < found.size(); ++i) {
       const auto a = static_cast<std::size_t>(found[i].id.a()), b = static_cast<std::size_t>(found[i].id.b());
       const Body& body_a = model_.bodies[a];
@@ -262,6 +264,7 @@ class WorldDvi final : public World {
       impact_[i].restitution = law.restitution;
       const Vec3 before = velocity_[b] + angular_[b].cross(c.arm_b) - velocity_[a] - angular_[a].cross(c.arm_a);
       impact_[i].before = c.normal.dot(before);
+      if (laws_.any()) laws_.apply(problem_, c, impact_[i], before, h);
     }
   }
 
@@ -281,7 +284,7 @@ class WorldDvi final : public World {
         if (kept_[k].id.features != found[i].id.features) continue;
         const ConeContact& c = problem_.contacts[i];
         Vec3 t1, t2;
-        tangent_frame(c.normal, t1, t2);
+        contact_frame(c, t1, t2);
         const Vec3 force = ratio * kept_[k].force;
         const Vec3 couple = ratio / c.arm * kept_[k].couple;
         impulse_[i] = {std::max(c.normal.dot(force), -c.cohesion), t1.dot(force), t2.dot(force), t1.dot(couple),
@@ -406,7 +409,7 @@ class WorldDvi final : public World {
       const ConeContact& c = problem_.contacts[i];
       const Impulse& g = impulse_[i];
       Vec3 t1, t2;
-      tangent_frame(c.normal, t1, t2);
+      contact_frame(c, t1, t2);
       kept_[i].id = found[i].id;
       kept_[i].force = g[0] * c.normal + g[1] * t1 + g[2] * t2;
       kept_[i].couple = c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal);
@@ -418,6 +421,7 @@ class WorldDvi final : public World {
   SolverOptions options_;
   Units units_;
   ContactFinder finder_;
+  ContactLaws laws_;
   std::vector<double> mass_;
   std::vector<Vec3> inertia_;
   std::vector<char> isotropic_;

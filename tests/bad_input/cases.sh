@@ -28,8 +28,25 @@ edit unknown_shape bodies.yaml "type: box" "type: bx" "" "shapes.block.type" 'di
 edit unknown_grain_shape heap.yaml "{sphere: 1, twin: 1}" "{sphere: 1, twins: 1}" "" "mix.twins" 'did you mean `twin`?'
 edit unknown_material heap.yaml "material: pa12" "material: pa21" "" "grains.powder.material" 'did you mean `pa12`?'
 edit unknown_effect bodies.yaml "quadratic_drag" "quadratic_darg" "" "effects" 'did you mean `quadratic_drag`?'
-edit effect_of_a_later_version bodies.yaml "{quadratic_drag:" "{magnus: {lift: 1, fluid_density: 1.2}, quadratic_drag:" "" \
+edit effect_of_the_recording bodies.yaml "{quadratic_drag:" "{length_scale: {factor: 1.1}, quadratic_drag:" "" \
   "not available" "remove it"
+edit magnus_without_a_fluid bodies.yaml "{quadratic_drag:" "{magnus: {lift: 1}, quadratic_drag:" \
+  "{magnus: {lift: 1, fluid_density: 1.2}, quadratic_drag:" "effects.magnus" "fluid_density"
+edit shake_of_negative_frequency bodies.yaml "{quadratic_drag:" \
+  "{periodic_force: {amplitude: [0, 0, 1], frequency: -5}, quadratic_drag:" \
+  "{periodic_force: {amplitude: [0, 0, 1], frequency: 5 Hz, phase: 90 deg}, quadratic_drag:" "periodic_force.frequency" "zero or positive"
+edit friction_without_a_reference bodies.yaml "{quadratic_drag:" "{rate_dependent_friction: {slope: 0.01}, quadratic_drag:" \
+  "{rate_dependent_friction: {slope: 0.01, reference_speed: 1 mm/s}, quadratic_drag:" "rate_dependent_friction" "reference_speed"
+edit friction_ratio_of_zero bodies.yaml "{quadratic_drag:" "{anisotropic_friction: {ratio: 0, direction_deg: 30}, quadratic_drag:" \
+  "{anisotropic_friction: {ratio: 0.5, direction_deg: 30}, quadratic_drag:" "anisotropic_friction.ratio" "positive"
+edit restitution_of_no_speed bodies.yaml "{quadratic_drag:" "{rate_dependent_restitution: {exponent: 0.25, reference_speed: 0}, quadratic_drag:" \
+  "{rate_dependent_restitution: {exponent: 0.25, reference_speed: 1}, quadratic_drag:" "rate_dependent_restitution.reference_speed" "positive"
+edit bridge_that_never_ruptures bodies.yaml "{quadratic_drag:" "{liquid_bridge: {force: 1, rupture: 0}, quadratic_drag:" \
+  "{liquid_bridge: {force: 1, rupture: 1 mm}, quadratic_drag:" "liquid_bridge.rupture" "positive"
+edit compliance_in_pascal bodies.yaml "{quadratic_drag:" "{contact_compliance: {stiffness: 1 MPa}, quadratic_drag:" \
+  "{contact_compliance: {stiffness: 1 MN/m, damping: 3 N s/m}, quadratic_drag:" "contact_compliance.stiffness" "N/m"
+edit misspelt_contact_effect bodies.yaml "{quadratic_drag:" "{liquid_brigde: {force: 1}, quadratic_drag:" "" \
+  "effects" 'did you mean `liquid_bridge`?'
 edit effect_that_is_a_pair_law bodies.yaml "{quadratic_drag:" "{restitution: 0.5, quadratic_drag:" "" "effects.restitution" "pairs"
 edit pair_in_wrong_order heap.yaml "pa12-steel:" "steel-pa12:" "" "pairs.steel-pa12" 'write `pa12-steel`'
 edit pair_of_nobody heap.yaml "pa12-steel:" "pa12-brass:" "" "pairs.pa12-brass" "known:"

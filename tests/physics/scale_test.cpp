@@ -69,9 +69,19 @@ TEST_P(Scale, EveryGrainShapeWithEveryLaw) {
 TEST_P(Scale, FluidDrag) {
   Model model = pile({.count = 40, .kinds = {"sphere", "ellipsoid"}, .law = everything});
   model.effects = {LinearDrag{0.02}, QuadraticDrag{0.47, 1.2}, FiniteReynoldsDrag{0.01, 1.2}, Buoyancy{1.2},
-                   GravityTilt{2, 3}};
+                   GravityTilt{2, 3}, Magnus{0.5, 1.2}, PeriodicForce{{1, 0, 2}, 5, 0.3}};
   REPOSE_SKIP_UNSUPPORTED(model);
   expect_same(GetParam(), "scaled grains with drag, buoyancy and tilt", model, 1e-3, 250);
+}
+
+TEST_P(Scale, EveryContactEffect) {
+  const double weight = 1000 * 4.0 / 3 * M_PI * 1e-6 * 9.81;
+  Model model = pile({.count = 40, .kinds = {"sphere", "twin"}, .law = everything});
+  model.contact_effects = {RateDependentFriction{0.02, 0.1}, AnisotropicFriction{0.6, 20},
+                           RateDependentRestitution{0.25, 0.1}, LiquidBridge{weight, 5e-4},
+                           ContactCompliance{1e3 * weight / 0.01, 0.01}};
+  REPOSE_SKIP_UNSUPPORTED(model);
+  expect_same(GetParam(), "scaled grains with every contact effect", model, 1e-3, 250);
 }
 
 TEST_P(Scale, BoxesOnATurningAndShakingPlate) {

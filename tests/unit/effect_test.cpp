@@ -59,6 +59,8 @@ TEST(Effect, NamesAreTheSceneKeys) {
   EXPECT_EQ(effect_name(QuadraticDrag{}), "quadratic_drag");
   EXPECT_EQ(effect_name(FiniteReynoldsDrag{}), "finite_reynolds_drag");
   EXPECT_EQ(effect_name(Buoyancy{}), "buoyancy");
+  EXPECT_EQ(effect_name(Magnus{}), "magnus");
+  EXPECT_EQ(effect_name(PeriodicForce{}), "periodic_force");
 }
 
 TEST(Effect, WithoutEffectsThereIsGravityAlone) {
@@ -222,6 +224,24 @@ TEST(Effect, StokesOverstatesTheTerminalSpeedOfLargeGrains) {
   EXPECT_LT(finite, 0.85 * stokes);
 }
 
+TEST(Effect, MagnusPushesAcrossSpinAndPath) {
+  const Start start{.velocity = {3, 0, 0}, .angular_velocity = {0, 20, 5}};
+  const Model model = one_grain(Magnus{0.75, air_density}, start);
+  const BodyLoads loads = loads_of(model);
+  const double k = 0.75 * air_density * 4.0 / 3 * pi * radius * radius * radius;
+  const Vec3 lift = loads.force[0] - model.bodies[0].mass * Vec3(0, 0, -g);
+  EXPECT_TRUE(lift.isApprox(k * Vec3(0, 15, -60), 1e-12)) << lift.transpose() / k;
+  EXPECT_EQ(loads.torque[0], Vec3::Zero());
+}
+
+TEST(Effect, PeriodicForceFollowsTheClock) {
+  Model model = one_grain(PeriodicForce{{1, 2, 3}, 4, 0.5});
+  model.gravity = Vec3::Zero();
+  model.initial.time = 0.3;
+  const double mass = model.bodies[0].mass;
+  EXPECT_TRUE(loads_of(model).force[0].isApprox(mass * std::sin(2 * pi * 4 * 0.3 + 0.5) * Vec3(1, 2, 3), 1e-14));
+}
+
 TEST(Effect, FroudeSimilarLoadsHaveTheSameBits) {
   const Model big = ModelBuilder()
                         .material("pa12", pa12)
@@ -232,6 +252,8 @@ TEST(Effect, FroudeSimilarLoadsHaveTheSameBits) {
                         .effect(QuadraticDrag{0.47, 1.2})
                         .effect(FiniteReynoldsDrag{0.3, 1.1})
                         .effect(Buoyancy{1.2})
+                        .effect(Magnus{0.7, 1.2})
+                        .effect(PeriodicForce{{1, -2, 3}, 4, 0.5})
                         .build();
   const double length = std::ldexp(1.0, -14), time = std::ldexp(1.0, -7);
   const BodyLoads a = loads_of(big), b = loads_of(froude_scaled(big, length));

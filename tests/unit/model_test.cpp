@@ -131,6 +131,9 @@ TEST(Model, ValidationAcceptsTheGoodAndNamesTheBad) {
       },
       "effects.finite_reynolds_drag.fluid_density");
   expect_invalid([](Model& m) { m.effects = {Buoyancy{-1}}; }, "effects.buoyancy.fluid_density");
+  expect_invalid([](Model& m) { m.effects = {Magnus{nan, 1}}; }, "effects.magnus.lift");
+  expect_invalid([](Model& m) { m.effects = {Magnus{1, 0}}; }, "effects.magnus.fluid_density");
+  expect_invalid([](Model& m) { m.effects = {PeriodicForce{{1, 0, 0}, -1, 0}}; }, "effects.periodic_force");
 }
 
 /// The numbers of the primitives that rich_model() uses.

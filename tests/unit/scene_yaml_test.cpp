@@ -150,7 +150,7 @@ TEST(SceneYaml, MessagesNameLineKeyAndNearestKey) {
       {"restitution: 0.5", "restitution: 1.5", "at least 0 and at most 1"},
       {"fixed: true", "fixed: maybe", "expected true or false"},
       {", fixed: true", "", "is infinite"},
-      {"{quadratic_drag:", "{magnus: {}, quadratic_drag:", "known, but not available"},
+      {"{quadratic_drag:", "{length_scale: {}, quadratic_drag:", "known, but not available"},
       {"{quadratic_drag:", "{friction: 1, quadratic_drag:", "under `pairs:"},
       {"{quadratic_drag:", "{quadratic_darg:", "did you mean `quadratic_drag`?"},
       {"30 um, 100 um", "100 um, 30 um", "smallest size is not below the largest"},
