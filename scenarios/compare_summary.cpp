@@ -61,6 +61,7 @@ json backend_json(const Comparison& c, const CompareResults& r, std::size_t k) {
             {"solver", {{"iterations_mean", mean("iterations_mean")}, {"residual_max", most("residual_max")},
                         {"converged_fraction", mean("converged_fraction")}, {"cycling_fraction", mean("cycling_fraction")}}},
             {"max_penetration", most("max_penetration")}, {"unsupported", who.unsupported}};
+  j["wall_s_by_run"] = list("wall_s");
   j["curves"]["kinetic_energy"] = mean_curve(runs, "time", "kinetic_energy");
   for (const auto& [name, x, y] : {std::tuple{"discharged_mass", "time", "discharged_mass"}, {"heap_profile", "radius", "height"}})
     if (json curve = mean_curve(runs, x, y); !curve["x"].empty()) j["curves"][name] = std::move(curve);
@@ -96,7 +97,7 @@ std::string headline(const Comparison& c, const json& observables, const json& p
   if (explained > 0) text += fmt::format(" {} of the {} differences are no larger than what a finer step or tolerance changes.", explained, differ);
   for (const json& p : partings)
     if (p["parted"].is_boolean() && p["parted"].get<bool>())
-      text += fmt::format(" {} and {} part {}.", p["a"].get<std::string>(), p["b"].get<std::string>(), p["text"].get<std::string>());
+      text += fmt::format(" The runs of {} and {} part {}.", p["a"].get<std::string>(), p["b"].get<std::string>(), p["text"].get<std::string>());
   return text;
 }
 
