@@ -16,7 +16,7 @@ struct Schedule {
   double duration = 0;           ///< [s]; the number of steps is round(duration / h)
   double frame_interval = 0;     ///< [s]; rounded to whole steps, at least one
   double checkpoint_wall_s = 30; ///< wall-clock time between checkpoints [s]
-  std::string tracked;           ///< body or tool whose contact load is logged every step; empty: none
+  std::string tracked = {};          ///< body or tool whose contact load is logged every step; empty: none
 };
 
 struct Progress {
