@@ -7,6 +7,7 @@
 namespace repose {
 namespace {
 
+constexpr double micrometres = 1e6;  // in a metre
 constexpr const char* cells_key = "cells";
 constexpr const char* origin_key = "origin";
 constexpr const char* cell_key = "cell";
@@ -16,8 +17,10 @@ openvdb::FloatGrid::Ptr to_vdb(const NamedGrid& named) {
   openvdb::FloatGrid::Ptr out = openvdb::FloatGrid::create(0.0f);
   out->setName(named.name);
   out->setGridClass(openvdb::GRID_UNKNOWN);
-  openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(grid.cell);
-  transform->postTranslate({grid.origin.x() + 0.5 * grid.cell, grid.origin.y() + 0.5 * grid.cell, grid.plate});
+  // OpenVDB refuses cells of a few micrometres as having no volume if they are given in metres.
+  openvdb::math::Transform::Ptr transform = openvdb::math::Transform::createLinearTransform(grid.cell * micrometres);
+  const Vec3 first(grid.origin.x() + 0.5 * grid.cell, grid.origin.y() + 0.5 * grid.cell, grid.plate);
+  transform->postTranslate({first.x() * micrometres, first.y() * micrometres, first.z() * micrometres});
   out->setTransform(transform);
   // The transform is a product of these; kept apart they come back bit for bit.
   out->insertMeta(cells_key, openvdb::Vec3IMetadata({grid.nx, grid.ny, 1}));
