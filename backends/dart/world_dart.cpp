@@ -11,6 +11,7 @@
 #include "backends/dvi/impact.hpp"
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/units.hpp"
+#include "core/contact_effects.hpp"
 #include "core/error.hpp"
 
 namespace repose::dart {
@@ -382,7 +383,7 @@ class WorldDart final : public World {
 
 }  // namespace
 
-std::vector<std::string> unsupported(const Model&) { return {}; }
+std::vector<std::string> unsupported(const Model& model) { return contact_effect_names(model); }
 
 std::unique_ptr<World> make_world(const Model& model, const SolverOptions& options) {
   validate(model);
