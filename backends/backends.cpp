@@ -4,17 +4,25 @@
 
 #include "backends/bullet/world_bullet.hpp"
 #include "backends/dvi/world_dvi.hpp"
+#ifdef REPOSE_HAS_DART
+#include "backends/dart/world_dart.hpp"
+#endif
 #include "core/error.hpp"
 
 namespace repose {
 
 std::span<const Backend> backends() {
-  static const std::array<Backend, 2> table{{
-      {"dvi", "non-smooth dynamics: cone complementarity with rolling and spinning friction and cohesion, large steps",
-       dvi::unsupported, dvi::make_world},
-      {"bullet", "Bullet 3.24, in double precision: rigid contacts by sequential impulses, a reference engine",
-       bullet::unsupported, bullet::make_world},
-  }};
+  static const std::array table{
+      Backend{"dvi",
+              "non-smooth dynamics: cone complementarity with rolling and spinning friction and cohesion, large steps",
+              dvi::unsupported, dvi::make_world},
+      Backend{"bullet", "Bullet 3.24, in double precision: rigid contacts by sequential impulses, a reference engine",
+              bullet::unsupported, bullet::make_world},
+#ifdef REPOSE_HAS_DART
+      Backend{"dart", "DART 6.12: collision by FCL, each island of contacts solved directly; a reference for small scenes",
+              dart::unsupported, dart::make_world},
+#endif
+  };
   return table;
 }
 

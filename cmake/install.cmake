@@ -4,8 +4,8 @@
 include(CMakePackageConfigHelpers)
 
 set(REPOSE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Repose)
-foreach(library repose_options repose_dvi_options repose_core repose_dvi_collision repose_dvi repose_bullet repose_backends repose_analysis
-        repose_render repose_report)
+foreach(library repose_options repose_dvi_options repose_core repose_dvi_collision repose_dvi repose_bullet
+        repose_dart repose_backends repose_analysis repose_bundle repose_render repose_report)
   if(TARGET ${library})
     list(APPEND REPOSE_LIBRARIES ${library})
   endif()
@@ -27,6 +27,10 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenarios/configs ${PROJECT_SOURCE_DIR}/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/repose)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+set(REPOSE_HAS_DART OFF)
+if(TARGET repose_dart)
+  set(REPOSE_HAS_DART ON)
+endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/ReposeConfig.cmake.in ${PROJECT_BINARY_DIR}/ReposeConfig.cmake
                               INSTALL_DESTINATION ${REPOSE_PACKAGE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/ReposeConfigVersion.cmake COMPATIBILITY SameMinorVersion)

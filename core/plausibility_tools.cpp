@@ -96,7 +96,7 @@ void check_fill_in_funnel(const GrainPopulation& g, const Tool& tool, const Funn
 // Tools that are made to stand alone; plates, floors, cups and boxes are often put together from overlapping pieces.
 bool stands_alone(const Tool& tool) {
   return std::holds_alternative<Funnel>(tool.kind) || std::holds_alternative<Base>(tool.kind) ||
-         std::holds_alternative<Roller>(tool.kind) || std::holds_alternative<Drum>(tool.kind);
+         std::holds_alternative<Roller>(tool.kind) || std::holds_alternative<Blade>(tool.kind) || std::holds_alternative<Drum>(tool.kind);
 }
 
 bool overlap(const std::vector<ToolBody>& a, const std::vector<ToolBody>& b) {

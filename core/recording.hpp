@@ -25,6 +25,8 @@ namespace repose {
 struct StepRecord {
   double time = 0;
   StepReport report;
+  Vec3 tool_force = Vec3::Zero();   ///< total of the contact forces on the tool that Schedule::tracked names [N]
+  Vec3 tool_torque = Vec3::Zero();  ///< about the first of its bodies' centres, which turn with it [N m]
 };
 
 /// Everything a finished or interrupted run left behind, as the analysis reads it.

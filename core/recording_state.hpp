@@ -26,7 +26,7 @@ void write_snapshot(Hdf5Writer& file, const std::string& group, const Snapshot& 
 template <class T>
 Snapshot read_snapshot(const Hdf5Reader& file, const std::string& group, std::size_t bodies);
 
-/// One dataset per field of StepRecord.
+/// One dataset per field of StepRecord; those of the tracked tool only if it was loaded.
 void write_steps(Hdf5Writer& file, const std::string& group, const std::vector<StepRecord>& steps);
 std::vector<StepRecord> read_steps(const Hdf5Reader& file, const std::string& group);
 

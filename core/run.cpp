@@ -114,7 +114,13 @@ struct Tally {
 class Runner {
  public:
   Runner(World& world, const Model& model, const Schedule& schedule, Recorder* recorder, const RunHooks& hooks)
-      : world_(world), model_(model), schedule_(schedule), counts_(count_steps(schedule)), recorder_(recorder), hooks_(hooks) {}
+      : world_(world), model_(model), schedule_(schedule), counts_(count_steps(schedule)), recorder_(recorder), hooks_(hooks) {
+    if (schedule.tracked.empty()) return;
+    for (std::size_t i = 0; i < model.bodies.size(); ++i)
+      if (const int name = model.bodies[i].name; name >= 0 && model.names[static_cast<std::size_t>(name)] == schedule.tracked)
+        tracked_.push_back(static_cast<int>(i));
+    if (tracked_.empty()) throw Error("tools", "there is no tool " + schedule.tracked + " to track", "name one of the scene");
+  }
 
   RunReport run(bool resume) {
     if (!(resume && restore())) begin();
@@ -139,6 +145,7 @@ class Runner {
     world_.read(state_);
     demand_finite(model_, state_);
     if (recorder_) recorder_->frame(state_);
+    if (hooks_.stepped) hooks_.stepped(state_, world_);
     save_checkpoint();
   }
 
@@ -163,6 +170,7 @@ class Runner {
     const double from = state_.time;
     try {
       evaluate_loads(model_, state_, loads_);
+      if (hooks_.loads) hooks_.loads(state_, loads_);
       last_ = world_.step(schedule_.time_step, loads_);
       world_.read(state_);
       demand_finite(model_, state_);
@@ -176,7 +184,24 @@ class Runner {
     }
     ++step_;
     tally_.add(last_);
-    if (recorder_) recorder_->step({state_.time, last_});
+    if (recorder_) recorder_->step(log_line());
+    if (hooks_.stepped) hooks_.stepped(state_, world_);
+  }
+
+  StepRecord log_line() {
+    StepRecord line{state_.time, last_};
+    if (tracked_.empty()) return line;
+    world_.read(contacts_);
+    const Vec3 centre = state_.position[static_cast<std::size_t>(tracked_.front())];
+    for (const Contact& contact : contacts_) {
+      const bool is_a = std::binary_search(tracked_.begin(), tracked_.end(), contact.a);
+      const bool is_b = std::binary_search(tracked_.begin(), tracked_.end(), contact.b);
+      if (is_a == is_b) continue;
+      const double sign = is_b ? 1 : -1;
+      line.tool_force += sign * contact.force;
+      line.tool_torque += sign * ((contact.point - centre).cross(contact.force) + contact.torque);
+    }
+    return line;
   }
 
   void record_frame() {
@@ -224,6 +249,8 @@ class Runner {
 
   std::int64_t step_ = 0, told_step_ = -1;
   bool stopped_ = false;  ///< by the `finished` hook
+  std::vector<int> tracked_;  ///< bodies of Schedule::tracked, ascending
+  std::vector<Contact> contacts_;
   Snapshot state_;
   BodyLoads loads_;
   StepReport last_;

@@ -16,6 +16,7 @@ struct Schedule {
   double duration = 0;           ///< [s]; the number of steps is round(duration / h)
   double frame_interval = 0;     ///< [s]; rounded to whole steps, at least one
   double checkpoint_wall_s = 30; ///< wall-clock time between checkpoints [s]
+  std::string tracked = {};          ///< body or tool whose contact load is logged every step; empty: none
 };
 
 struct Progress {
@@ -46,6 +47,11 @@ struct RunHooks {
   /// depend on its arguments alone, so that a resumed run ends where an uninterrupted one does.
   std::function<bool(const Snapshot&, const StepReport&)> finished;
   std::function<void(const std::string&)> warning;        ///< told once, when it arises; may be empty
+  /// Adds to the loads of each step, after the model's own effects (the unknown force of a diagnosis). Must depend on its
+  /// arguments alone. May be empty.
+  std::function<void(const Snapshot&, BodyLoads&)> loads;
+  /// Shown the state at the start and after every step; World tells the contacts of that step. May be empty.
+  std::function<void(const Snapshot&, const World&)> stepped;
 };
 
 /// Steps `world` through the schedule, applying the model's effects, recording frames and checkpoints. `recorder` may be

@@ -10,6 +10,7 @@
 #include "core/effect.hpp"
 #include "core/fill.hpp"
 #include "core/material.hpp"
+#include "core/layer_setup.hpp"
 #include "core/model.hpp"
 #include "core/population.hpp"
 #include "core/tool.hpp"
@@ -51,6 +52,7 @@ struct Scene {
   std::vector<SceneBody> bodies;          ///< sorted by name
   std::vector<GrainPopulation> grains;    ///< sorted by name
   std::vector<Tool> tools;                ///< sorted by name
+  std::optional<LayerSetup> layer;        ///< what `repose layer` does with it
   GrainProportions proportions;
   Vec3 gravity{0, 0, -9.81};
   std::vector<Effect> effects;

@@ -73,7 +73,7 @@ void read_solver(const YamlReader& block, Scene& scene) {
 }
 
 void check_record(const YamlReader& block) {
-  block.only({"rate", "noise", "dropouts", "observables"});
+  block.only({"rate", "noise", "dropouts", "observables", "runs", "free", "calibrate"});
   if (block.has("rate")) block.at("rate").number(positive(dimension::frequency));
 }
 
@@ -88,7 +88,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
 
   const YamlReader root(tree, name);
   root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "effects",
-             "solver", "duration", "frame_interval", "record"});
+             "layer", "solver", "duration", "frame_interval", "record"});
   Scene scene;
   read_materials(root.at("materials"), scene);
   if (root.has("pairs")) read_pairs(root.at("pairs"), scene);
@@ -97,6 +97,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   if (root.has("bodies")) read_bodies(root.at("bodies"), scene);
   if (root.has("grains")) read_grains(root.at("grains"), folder, scene);
   if (root.has("tools")) read_tools(root.at("tools"), scene);
+  if (root.has("layer")) read_layer(root.at("layer"), scene);
   root.read("gravity", scene.gravity, any(dimension::acceleration));
   if (root.has("effects")) read_effects(root.at("effects"), scene);
   if (root.has("solver")) read_solver(root.at("solver"), scene);

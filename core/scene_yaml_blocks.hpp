@@ -35,6 +35,10 @@ void read_grains(const YamlReader& block, const std::filesystem::path& folder, S
 /// tools: {funnel: {type, material, position, motion, and the fields of its kind in tool.hpp}}
 void read_tools(const YamlReader& block, Scene& scene);
 
+/// layer: {spreader, plate, gap, gap_from, speed, rotation, rotation_ratio, from, to, rest, settle, settle_time_step, region,
+/// surface, sides}; after the tools.
+void read_layer(const YamlReader& block, Scene& scene);
+
 /// effects: {linear_drag: {viscosity: 1.8e-5}}
 void read_effects(const YamlReader& block, Scene& scene);
 
@@ -46,7 +50,7 @@ std::vector<std::string> setup_effect_names();
 /// solver: {time_step, tolerance, max_iterations, method, law, warm_start, search_margin}
 void read_solver(const YamlReader& block, Scene& scene);
 
-/// record: {rate, noise, dropouts, observables}: checked for unknown keys, otherwise kept as text only.
+/// record: {rate, noise, dropouts, observables, runs, free, calibrate}: checked for unknown keys, otherwise kept as text only.
 void check_record(const YamlReader& block);
 
 /// The name of a material of the scene; an unknown one is an error with the nearest.

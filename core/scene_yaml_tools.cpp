@@ -90,6 +90,17 @@ ToolKind read_roller(const YamlReader& reader) {
   return roller;
 }
 
+ToolKind read_blade(const YamlReader& reader) {
+  only(reader, {"thickness", "height", "width", "rake_deg", "edge_radius"});
+  Blade blade;
+  reader.require("thickness", blade.thickness, length);
+  reader.require("height", blade.height, length);
+  reader.require("width", blade.width, length);
+  reader.read("rake_deg", blade.rake_deg, degrees(-80, 80));
+  reader.read("edge_radius", blade.edge_radius, length_or_zero);
+  return blade;
+}
+
 ToolKind read_drum(const YamlReader& reader) {
   only(reader, {"inner_diameter", "inner_width", "thickness"});
   Drum drum;
@@ -107,7 +118,7 @@ struct Kind {
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table{
       {"funnel", read_funnel},       {"base", read_base}, {"plate", read_plate},   {"floor", read_floor},
-      {"container", read_container}, {"cup", read_cup},   {"roller", read_roller}, {"drum", read_drum}};
+      {"container", read_container}, {"cup", read_cup},   {"roller", read_roller}, {"blade", read_blade}, {"drum", read_drum}};
   return table;
 }
 

@@ -209,6 +209,36 @@ std::vector<ToolBody> build(const Roller& r, const Tool& tool) {
   return {revolved("roller", {{0, -half}, {radius, -half}, {radius, half}, {0, half}}, axis_along_y(tool.position))};
 }
 
+/// Drawn upright with the middle of its lower face at the origin, then leant and moved so that its lowest line is at `position`.
+std::vector<ToolBody> build(const Blade& b, const Tool& tool) {
+  const Check check(tool);
+  check.positive(b.thickness, "thickness");
+  check.positive(b.height, "height");
+  check.positive(b.width, "width");
+  check.not_negative(b.edge_radius, "edge_radius");
+  check.holds(b.edge_radius <= 0.5 * b.thickness && b.edge_radius < b.height, "edge_radius",
+              "the edges cannot be rounder than half the thickness", "make edge_radius smaller, or thickness larger");
+  check.holds(b.rake_deg > -80 && b.rake_deg < 80, "rake_deg", "the blade must stand within 80 degrees of the vertical",
+              "an upright blade has 0");
+  const double half = 0.5 * b.thickness, width = 0.5 * b.width, r = b.edge_radius;
+  std::vector<Part> parts{{Box{{half, width, 0.5 * (b.height - r)}}, {Vec3(0, 0, 0.5 * (b.height + r)), Quat::Identity()}}};
+  if (r > 0) {
+    for (const double side : {-1.0, 1.0}) {
+      parts.push_back({Cylinder{r, width}, axis_along_y({side * (half - r), 0, r})});
+      if (r == half) break;
+    }
+    if (r < half) parts.push_back({Box{{half - r, width, 0.5 * r}}, {Vec3(0, 0, 0.5 * r), Quat::Identity()}});
+  }
+  const double rake = b.rake_deg * std::numbers::pi / 180;
+  const Quat lean(Eigen::AngleAxisd(rake, Vec3::UnitY()));
+  // The edge on the side that it leans to is the lowest; where its centre of rounding is when upright.
+  const Vec3 corner(rake > 0 ? half - r : rake < 0 ? r - half : 0, 0, r);
+  const Vec3 lowest = lean * corner - Vec3(0, 0, r);
+  Shape shape = make_shape("blade", std::move(parts));
+  const Pose placed = body_pose(shape, 1, {tool.position - lowest, lean});
+  return {{std::move(shape), placed, {}}};
+}
+
 std::vector<ToolBody> build(const Drum& d, const Tool& tool) {
   const Check check(tool);
   check.positive(d.inner_diameter, "inner_diameter");

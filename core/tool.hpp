@@ -41,10 +41,13 @@ struct Container { Vec3 inner_size = Vec3::Zero(); double thickness = 0; bool li
 struct Cup { double inner_diameter = 0, height = 0, thickness = 0; };
 /// A solid cylinder whose axis is y; `position`: its centre.
 struct Roller { double diameter = 0, width = 0; };
+/// A straight blade, `width` along y; `position`: the middle of its lowest line. `rake_deg` leans its top towards +x (a blade
+/// that travels along +x then presses the powder down), negative towards -x. `edge_radius` rounds both lower edges.
+struct Blade { double thickness = 0, height = 0, width = 0, rake_deg = 0, edge_radius = 0; };
 /// A hollow cylinder whose axis is y, with end walls; `position`: its centre.
 struct Drum { double inner_diameter = 0, inner_width = 0, thickness = 0; };
 
-using ToolKind = std::variant<Funnel, Base, Plate, Floor, Container, Cup, Roller, Drum>;
+using ToolKind = std::variant<Funnel, Base, Plate, Floor, Container, Cup, Roller, Blade, Drum>;
 
 struct Tool {
   std::string name;

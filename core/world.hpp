@@ -75,6 +75,7 @@ struct Backend {
   /// Physics of the model that this backend cannot do, by scene key; empty if all can be done.
   std::vector<std::string> (*unsupported)(const Model&);
   std::unique_ptr<World> (*make)(const Model&, const SolverOptions&);
+  bool has_tolerance = true;  ///< false: SolverOptions::tolerance changes nothing (a direct solver)
 };
 
 }  // namespace repose

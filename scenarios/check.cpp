@@ -36,7 +36,7 @@ std::string kind_of(const Tool& tool) {
   return std::visit(Overloaded{[](const Funnel&) { return "funnel"; }, [](const Base&) { return "base"; },
                                [](const Plate&) { return "plate"; }, [](const Floor&) { return "floor"; },
                                [](const Container&) { return "container"; }, [](const Cup&) { return "cup"; },
-                               [](const Roller&) { return "roller"; }, [](const Drum&) { return "drum"; }},
+                               [](const Roller&) { return "roller"; }, [](const Blade&) { return "blade"; }, [](const Drum&) { return "drum"; }},
                     tool.kind);
 }
 

@@ -89,7 +89,7 @@ Prepared prepare(const std::filesystem::path& scene_file, const Options& options
   return prepare(load_scene(scene_file, options.overrides), options);
 }
 
-Prepared prepare(Scene scene, const Options& options) {
+Prepared prepare(Scene scene, const Options& options, const std::function<void(Model&)>& adjust) {
   Prepared p;
   p.backend = &find_backend(options.backend);
   p.scene = std::move(scene);
@@ -97,6 +97,7 @@ Prepared prepare(Scene scene, const Options& options) {
   std::vector<Finding> before;
   judge(check_before_realising(p.scene), options.force, before);
   p.model = realise(p.scene, options.seed);
+  if (adjust) adjust(p.model);
   judge(check_plausibility(p.scene, &p.model), options.force, p.findings);
   for (const Finding& finding : p.findings) fmt::print(stderr, "{}: {}\n", level_name(finding.level), told(finding));
   p.unsupported = p.backend->unsupported(p.model);
@@ -107,7 +108,7 @@ Prepared prepare(Scene scene, const Options& options) {
 }
 
 RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file,
-                   std::function<bool(const Snapshot&, const StepReport&)> finished) {
+                   std::function<bool(const Snapshot&, const StepReport&)> finished, const std::string& tracked) {
   std::error_code ignored;
   if (!options.resume) std::filesystem::remove(options.out / main_file, ignored);
   Recorder recorder(options.out, prepared.model, prepared.scene.text, options.backend, options.seed, options.resume);
@@ -120,7 +121,7 @@ RunReport simulate(const Prepared& prepared, const Options& options, const std::
   hooks.interrupted = interrupted;
   hooks.finished = std::move(finished);
   const Schedule schedule{prepared.scene.solver.time_step, prepared.scene.duration, prepared.scene.frame_interval,
-                          options.checkpoint_wall_s};
+                          options.checkpoint_wall_s, tracked};
   return run(*world, prepared.model, schedule, &recorder, hooks, options.resume);
 }
 

@@ -25,13 +25,13 @@ struct Prepared {
 /// asks the backend what it cannot do. Throws Error for what is refused.
 Prepared prepare(const std::filesystem::path& scene_file, const Options& options);
 
-/// As above for a scene that is already loaded or edited.
-Prepared prepare(Scene scene, const Options& options);
+/// As above for a scene that is already loaded or edited. `adjust` may move the grains before they are checked (a settled bed).
+Prepared prepare(Scene scene, const Options& options, const std::function<void(Model&)>& adjust = {});
 
 /// Runs it with frames, checkpoints and progress into options.out. A fresh run first removes `main_file` there (the folder
-/// is complete exactly when it is present). `finished`: see RunHooks; may be empty.
+/// is complete exactly when it is present). `finished`: see RunHooks; `tracked`: see Schedule; both may be empty.
 RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file = "result.json",
-                   std::function<bool(const Snapshot&, const StepReport&)> finished = {});
+                   std::function<bool(const Snapshot&, const StepReport&)> finished = {}, const std::string& tracked = {});
 
 /// The JSON text of an object with the keys that every result.json has; a command adds its own.
 std::string common_result(const std::string& scenario, const Prepared& prepared, const Options& options,

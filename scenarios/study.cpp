@@ -12,7 +12,7 @@
 #include "scenarios/progress.hpp"
 #include "scenarios/reference_file.hpp"
 #include "scenarios/simulate.hpp"
-#include "scenarios/study_jobs.hpp"
+#include "scenarios/jobs.hpp"
 #include "scenarios/study_plan.hpp"
 #include "scenarios/study_report.hpp"
 #include "scenarios/study_summary.hpp"
@@ -130,7 +130,7 @@ int study(const Options& options) {
   const std::map<std::string, ReferenceSet> references = references_of(plan);
   const Backend& backend = find_backend(options.backend);
   const std::vector<Scene> scenes = scenes_of(plan, options);
-  std::vector<StudyJob> jobs;
+  std::vector<Job> jobs;
   const std::string build = std::string(version()) + " " + commit();
   for (std::size_t p = 0; p < plan.points.size(); ++p)
     for (int s = 0; s < plan.points[p].seeds; ++s) {
@@ -144,14 +144,13 @@ int study(const Options& options) {
   JobsReport report;
   {
     ProgressDisplay display(options.quiet);
-    StudyHooks hooks;
+    JobsHooks hooks;
     hooks.interrupted = interrupted;
-    hooks.progress = [&](const StudyProgress& p) {
+    hooks.progress = [&](const JobsProgress& p) {
       display.show(static_cast<double>(p.done), static_cast<double>(p.total), p.remaining_s,
                    fmt::format("{} of {} runs ({} reused, {} failed)", p.done, p.total, p.reused, p.failed));
     };
-    report = run_jobs(jobs, scenes, options.out, options.threads,
-                      [&](const Scene& scene, std::uint64_t seed) { return pour(backend, scene, seed); }, hooks);
+    report = run_jobs(jobs, options.out, options.threads, [&](const Job& job) { return pour(backend, scenes[job.scene], job.seed); }, hooks);
   }
   if (interrupted() && report.progress.done < report.progress.total) {
     fmt::print(stderr, "interrupted after {} of {} runs; the same command goes on from here\n", report.progress.done, report.progress.total);

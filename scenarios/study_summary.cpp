@@ -32,7 +32,7 @@ struct PointRuns {
   std::string failure;
 };
 
-std::vector<PointRuns> runs_by_point(const StudyPlan& plan, const std::vector<StudyJob>& jobs, const JobsReport& report) {
+std::vector<PointRuns> runs_by_point(const StudyPlan& plan, const std::vector<Job>& jobs, const JobsReport& report) {
   std::vector<PointRuns> runs(plan.points.size());
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     PointRuns& point = runs[jobs[i].scene];
@@ -132,7 +132,7 @@ json override_json(const std::string& value) {
   return parsed.is_discarded() ? json(value) : parsed;
 }
 
-json summarise_study(const StudyPlan& plan, const std::vector<StudyJob>& jobs, const JobsReport& report,
+json summarise_study(const StudyPlan& plan, const std::vector<Job>& jobs, const JobsReport& report,
                      const std::map<std::string, ReferenceSet>& references) {
   const std::vector<PointRuns> runs = runs_by_point(plan, jobs, report);
   json result = {{"title", plan.title}, {"points", json::array()}, {"series", json::array()}};

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/reference.hpp"
-#include "scenarios/study_jobs.hpp"
+#include "scenarios/jobs.hpp"
 #include "scenarios/study_plan.hpp"
 
 namespace repose {
@@ -19,7 +19,7 @@ namespace repose {
 ///   reference: the published curve, its slope and error (from the scatter of its values), `slope_difference` in standard
 ///   errors of both together, and per common x the `difference` (simulated - published) with its error.
 /// `jobs` are the plan's in order: all seeds of the first point, then those of the second...
-nlohmann::json summarise_study(const StudyPlan& plan, const std::vector<StudyJob>& jobs, const JobsReport& report,
+nlohmann::json summarise_study(const StudyPlan& plan, const std::vector<Job>& jobs, const JobsReport& report,
                                const std::map<std::string, ReferenceSet>& references);
 
 /// A value of an override as JSON: a number where it is one.

@@ -211,6 +211,7 @@ std::string to_html(const Report& report) {
   html += embedded::report_style();
   html += "</style>\n</head>\n<body>\n<main>\n<header><h1>" + escaped(report.title) + "</h1>";
   if (!report.subtitle.empty()) html += "<p class=\"subtitle\">" + escaped(report.subtitle) + "</p>";
+  if (!report.lead.empty()) html += "<p class=\"lead\">" + escaped(report.lead) + "</p>";
   html += "</header>\n";
   if (!report.headlines.empty()) {
     html += "<div class=\"headlines\">";

@@ -90,6 +90,7 @@ struct Report {
   std::string title, subtitle;
   std::vector<Headline> headlines;  ///< the first is the largest
   std::vector<Section> sections;
+  std::string lead = {};            ///< the answer in words, under the title; may be empty
 };
 
 /// One self-contained file: pictures, charts and the program that draws them are inside, and it forbids itself to load

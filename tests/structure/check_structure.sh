@@ -5,7 +5,7 @@
 #
 #   core      <- backends, analysis, scenarios: dependencies run one way, and analysis never sees a backend
 #   dvi       only the world's files (world_dvi*, contact_finder, units) see a model; collision knows shapes alone, the cone solver its plain problem alone
-#   bullet    takes geometry, units and the plain problem from dvi, never its solver or its world
+#   bullet    takes geometry, units and the plain problem from dvi, never its solver or its world; so does dart
 #   packages  heavy headers stay inside .cpp files
 #   files     at most 500 lines; nothing is left to be done later
 set -eu
@@ -51,6 +51,8 @@ include() { printf '^[[:space:]]*#[[:space:]]*include[[:space:]]*["<](%s)' "$1";
 
   forbid 'bullet shares no solver and no world with dvi' \
     "$(include "$dvi/(world_dvi|contact_finder|gauss|projected|packed|batch|colouring|momentum|residual)")" $(code backends/bullet)
+  forbid 'dart shares no solver and no world with dvi' \
+    "$(include "$dvi/(world_dvi|gauss|projected|packed|batch|colouring|momentum|residual)")" $(code backends/dart)
 
   libraries=$(for folder in core backends analysis; do sources $folder '*.hpp'; done)
   headers="$libraries $(sources scenarios '*.hpp')"

@@ -6,7 +6,7 @@ set -eu
 check=$1
 tree=$(mktemp -d)
 trap 'rm -rf -- "$tree"' EXIT
-mkdir -p "$tree/core" "$tree/backends/dvi" "$tree/backends/bullet" "$tree/analysis" "$tree/scenarios" "$tree/tests"
+mkdir -p "$tree/core" "$tree/backends/dvi" "$tree/backends/bullet" "$tree/backends/dart" "$tree/analysis" "$tree/scenarios" "$tree/tests"
 
 write() { printf '%s\n' "$2" >"$tree/$1"; }
 
@@ -54,6 +54,8 @@ breach backends/dvi/narrow_bad.cpp '#include "core/scene.hpp"'
 breach backends/dvi/narrow_bad.cpp '#include "backends/dvi/cone_problem.hpp"'
 breach backends/bullet/bad.cpp '#include "backends/dvi/world_dvi.hpp"'
 breach backends/bullet/bad.cpp '#include "backends/dvi/gauss_seidel.hpp"'
+breach backends/dart/bad.cpp '#include "backends/dvi/gauss_seidel.hpp"'
+breach backends/dart/bad.hpp '#include <dart/dynamics/Skeleton.hpp>'
 breach backends/bullet/bad.hpp '#include <LinearMath/btTransform.h>'
 breach core/bad.hpp '#include <hdf5.h>'
 breach analysis/bad.hpp '#include <embree3/rtcore.h>'

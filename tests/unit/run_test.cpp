@@ -185,7 +185,7 @@ TEST_F(RunTest, AStateThatIsNotFiniteFailsAndKeepsWhatCameBefore) {
 TEST_F(RunTest, RefusesImpossibleSchedules) {
   FlyingWorld world(model);
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
-  for (const Schedule bad : {Schedule{0, 1, 1}, Schedule{-h, 1, 1}, Schedule{h, 0, 1}, Schedule{h, nan, 1}, Schedule{h, 1, 0},
+  for (const Schedule& bad : {Schedule{0, 1, 1}, Schedule{-h, 1, 1}, Schedule{h, 0, 1}, Schedule{h, nan, 1}, Schedule{h, 1, 0},
                              Schedule{h, infinity, 1}, Schedule{1, 0.4, 1}, Schedule{1e-300, 1, 1}})
     EXPECT_THROW(run(world, model, bad, nullptr, {}), Error);
 }

@@ -7,7 +7,7 @@
 #include "analysis/reference.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
-#include "scenarios/study_jobs.hpp"
+#include "scenarios/jobs.hpp"
 #include "scenarios/study_plan.hpp"
 #include "scenarios/study_summary.hpp"
 
@@ -101,8 +101,8 @@ std::vector<Scene> scenes(int count) {
   return result;
 }
 
-std::vector<StudyJob> jobs_of(const std::vector<Scene>& list, int seeds) {
-  std::vector<StudyJob> jobs;
+std::vector<Job> jobs_of(const std::vector<Scene>& list, int seeds) {
+  std::vector<Job> jobs;
   for (std::size_t i = 0; i < list.size(); ++i)
     for (int s = 0; s < seeds; ++s) {
       const std::uint64_t seed = static_cast<std::uint64_t>(s);
@@ -116,14 +116,14 @@ TEST(StudyJobs, RunOnceThenReused) {
   const auto list = scenes(3);
   const auto jobs = jobs_of(list, 4);
   std::atomic<int> runs{0};
-  const SimulateJob simulate = [&](const Scene& scene, std::uint64_t seed) -> std::optional<json> {
+  const SimulateJob simulate = [&](const Job& job) -> std::optional<json> {
     ++runs;
-    return json{{"text", scene.text}, {"value", seed}};
+    return json{{"text", list[job.scene].text}, {"value", job.seed}};
   };
-  const JobsReport first = run_jobs(jobs, list, folder.path(), 2, simulate, {});
+  const JobsReport first = run_jobs(jobs, folder.path(), 2, simulate, {});
   EXPECT_EQ(runs, 12);
   EXPECT_FALSE(first.interrupted);
-  const JobsReport second = run_jobs(jobs, list, folder.path(), 2, simulate, {});
+  const JobsReport second = run_jobs(jobs, folder.path(), 2, simulate, {});
   EXPECT_EQ(runs, 12);
   EXPECT_EQ(second.progress.reused, 12u);
   for (std::size_t i = 0; i < jobs.size(); ++i) {
@@ -133,7 +133,7 @@ TEST(StudyJobs, RunOnceThenReused) {
   }
   // A damaged file is run again.
   std::ofstream(folder.path() / "jobs" / (jobs[5].key + ".json")) << "{\"key\": ";
-  run_jobs(jobs, list, folder.path(), 1, simulate, {});
+  run_jobs(jobs, folder.path(), 1, simulate, {});
   EXPECT_EQ(runs, 13);
 }
 
@@ -151,7 +151,7 @@ TEST(StudyJobs, EqualKeysRunOnce) {
   auto jobs = jobs_of(list, 1);
   jobs.push_back(jobs[0]);
   std::atomic<int> runs{0};
-  const JobsReport report = run_jobs(jobs, list, folder.path(), 2, [&](const Scene&, std::uint64_t) -> std::optional<json> {
+  const JobsReport report = run_jobs(jobs, folder.path(), 2, [&](const Job&) -> std::optional<json> {
     ++runs;
     return json{{"value", 1}};
   }, {});
@@ -164,24 +164,24 @@ TEST(StudyJobs, FailuresAreReportedAndTriedAgain) {
   const auto list = scenes(2);
   const auto jobs = jobs_of(list, 1);
   bool broken = true;
-  const SimulateJob simulate = [&](const Scene& scene, std::uint64_t) -> std::optional<json> {
-    if (broken && scene.text == "scene 1") throw Error("step 3", "diverged", "smaller step", Error::Kind::simulation);
+  const SimulateJob simulate = [&](const Job& job) -> std::optional<json> {
+    if (broken && list[job.scene].text == "scene 1") throw Error("step 3", "diverged", "smaller step", Error::Kind::simulation);
     return json{{"value", 1}};
   };
-  const JobsReport first = run_jobs(jobs, list, folder.path(), 1, simulate, {});
+  const JobsReport first = run_jobs(jobs, folder.path(), 1, simulate, {});
   EXPECT_EQ(first.progress.failed, 1u);
   EXPECT_NE(first.results[1]->failure.find("diverged"), std::string::npos);
   broken = false;
-  EXPECT_EQ(run_jobs(jobs, list, folder.path(), 1, simulate, {}).progress.failed, 0u);
+  EXPECT_EQ(run_jobs(jobs, folder.path(), 1, simulate, {}).progress.failed, 0u);
 }
 
 TEST(StudyJobs, WrongInputEndsTheStudy) {
   const Folder folder;
   const auto list = scenes(2);
-  EXPECT_THROW(run_jobs(jobs_of(list, 2), list, folder.path(), 2,
-                        [](const Scene&, std::uint64_t) -> std::optional<json> { throw Error("a", "b", "c"); }, {}),
+  EXPECT_THROW(run_jobs(jobs_of(list, 2), folder.path(), 2,
+                        [](const Job&) -> std::optional<json> { throw Error("a", "b", "c"); }, {}),
                Error);
-  EXPECT_THROW(run_jobs({}, {}, folder.path(), 0, {}, {}), Error);
+  EXPECT_THROW(run_jobs({}, folder.path(), 0, {}, {}), Error);
 }
 
 TEST(StudyJobs, InterruptKeepsWhatIsDone) {
@@ -190,7 +190,7 @@ TEST(StudyJobs, InterruptKeepsWhatIsDone) {
   const auto jobs = jobs_of(list, 1);
   std::atomic<int> runs{0};
   std::atomic<bool> stop{false};
-  const SimulateJob simulate = [&](const Scene&, std::uint64_t) -> std::optional<json> {
+  const SimulateJob simulate = [&](const Job&) -> std::optional<json> {
     if (++runs == 3) {
       stop = true;
       return std::nullopt;
@@ -198,19 +198,19 @@ TEST(StudyJobs, InterruptKeepsWhatIsDone) {
     if (stop) return std::nullopt;
     return json{{"value", 1}};
   };
-  StudyHooks hooks;
+  JobsHooks hooks;
   hooks.interrupted = [&] { return stop.load(); };
-  const JobsReport report = run_jobs(jobs, list, folder.path(), 1, simulate, hooks);
+  const JobsReport report = run_jobs(jobs, folder.path(), 1, simulate, hooks);
   EXPECT_TRUE(report.interrupted || report.progress.done == 2);
   EXPECT_EQ(report.progress.done, 2u);
   stop = false;
   runs = 10;
-  EXPECT_EQ(run_jobs(jobs, list, folder.path(), 1, simulate, {}).progress.done, 5u);
+  EXPECT_EQ(run_jobs(jobs, folder.path(), 1, simulate, {}).progress.done, 5u);
 }
 
 TEST(StudySummary, HandAnswer) {
   const StudyPlan plan = parse_study(plan_text, "study.yaml", ".");
-  std::vector<StudyJob> jobs;
+  std::vector<Job> jobs;
   JobsReport report;
   for (std::size_t p = 0; p < plan.points.size(); ++p)
     for (int s = 0; s < plan.points[p].seeds; ++s) {

@@ -1,4 +1,4 @@
-#include "scenarios/study_jobs.hpp"
+#include "scenarios/jobs.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -23,8 +23,8 @@ std::filesystem::path result_file(const std::filesystem::path& folder, const std
   return folder / "jobs" / (key + ".json");
 }
 
-// What an earlier study left; nullopt if there is nothing of use.
-std::optional<JobResult> kept(const std::filesystem::path& folder, const StudyJob& job) {
+// What an earlier call left; nullopt if there is nothing of use.
+std::optional<JobResult> kept(const std::filesystem::path& folder, const Job& job) {
   const std::filesystem::path file = result_file(folder, job.key);
   if (!std::filesystem::is_regular_file(file)) return std::nullopt;
   const nlohmann::json content = nlohmann::json::parse(read_bytes(file), nullptr, false);
@@ -33,7 +33,7 @@ std::optional<JobResult> kept(const std::filesystem::path& folder, const StudyJo
   return JobResult{content["observables"], ""};
 }
 
-void keep(const std::filesystem::path& folder, const StudyJob& job, const JobResult& result) {
+void keep(const std::filesystem::path& folder, const Job& job, const JobResult& result) {
   const nlohmann::json content = {{"key", job.key}, {"seed", job.seed}, {"observables", result.observables}};
   write_durably(result_file(folder, job.key), content.dump(2) + "\n");
 }
@@ -41,7 +41,7 @@ void keep(const std::filesystem::path& folder, const StudyJob& job, const JobRes
 // The jobs still to do, handed out in order; equal keys once.
 class Board {
  public:
-  Board(const std::vector<StudyJob>& jobs, std::vector<std::optional<JobResult>>& results) : jobs_(jobs), results_(results) {
+  Board(const std::vector<Job>& jobs, std::vector<std::optional<JobResult>>& results) : jobs_(jobs), results_(results) {
     for (std::size_t i = 0; i < jobs.size(); ++i)
       if (!results[i]) twins_[jobs[i].key].push_back(i);
     for (std::size_t i = 0; i < jobs.size(); ++i)
@@ -93,7 +93,7 @@ class Board {
   }
 
  private:
-  const std::vector<StudyJob>& jobs_;
+  const std::vector<Job>& jobs_;
   std::vector<std::optional<JobResult>>& results_;
   std::map<std::string, std::vector<std::size_t>> twins_;
   std::vector<std::size_t> open_;
@@ -104,8 +104,8 @@ class Board {
   std::condition_variable changed_;
 };
 
-StudyProgress progress_of(Board& board, std::size_t reused, Clock::time_point start) {
-  StudyProgress p;
+JobsProgress progress_of(Board& board, std::size_t reused, Clock::time_point start) {
+  JobsProgress p;
   board.read([&](const std::vector<std::optional<JobResult>>& results) {
     p.total = results.size();
     for (const auto& r : results) {
@@ -126,8 +126,8 @@ std::string job_key(const std::string& scene_text, std::uint64_t seed, const std
   return fmt::format("{:016x}", checksum(fmt::format("{}\n{}\n{}\n{}", scene_text, seed, backend, version)));
 }
 
-JobsReport run_jobs(const std::vector<StudyJob>& jobs, const std::vector<Scene>& scenes, const std::filesystem::path& folder,
-                    int workers, const SimulateJob& simulate, const StudyHooks& hooks) {
+JobsReport run_jobs(const std::vector<Job>& jobs, const std::filesystem::path& folder, int workers, const SimulateJob& simulate,
+                    const JobsHooks& hooks) {
   if (workers < 1) throw Error("--threads", "must be at least 1", "");
   std::error_code error;
   std::filesystem::create_directories(folder / "jobs", error);
@@ -145,9 +145,9 @@ JobsReport run_jobs(const std::vector<StudyJob>& jobs, const std::vector<Scene>&
     while (const std::optional<std::size_t> i = board.take()) {
       std::optional<JobResult> result;
       try {
-        const StudyJob& job = jobs[*i];
+        const Job& job = jobs[*i];
         try {
-          if (auto observables = simulate(scenes[job.scene], job.seed)) result = JobResult{std::move(*observables), ""};
+          if (auto observables = simulate(job)) result = JobResult{std::move(*observables), ""};
         } catch (const Error& failed) {
           if (failed.kind() != Error::Kind::simulation) throw;
           result = JobResult{nlohmann::json::object(), failed.what()};

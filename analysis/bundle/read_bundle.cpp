@@ -1,0 +1,171 @@
+#include "analysis/bundle/read_bundle.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/atomic_file.hpp"
+#include "core/error.hpp"
+#include "core/yaml_tree.hpp"
+
+namespace repose {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// recording.yaml of a folder, or the file itself.
+fs::path recording_file(const fs::path& path) {
+  std::error_code ignored;
+  if (!fs::exists(path, ignored))
+    throw Error(path.string(), "no such bundle", "name a folder that holds recording.yaml");
+  if (!fs::is_directory(path, ignored)) return path;
+  const fs::path file = path / "recording.yaml";
+  if (!fs::exists(file, ignored))
+    throw Error(path.string(), "holds no recording.yaml", "a bundle is a folder with recording.yaml and CSV files");
+  return file;
+}
+
+/// The value under `path` of the scene as the user wrote it; nullptr if it is not there.
+const YamlNode* node_at(const YamlNode& root, const std::string& path) {
+  const YamlNode* node = &root;
+  std::size_t from = 0;
+  while (node != nullptr && from <= path.size()) {
+    const std::size_t dot = std::min(path.find('.', from), path.size());
+    node = node->find(path.substr(from, dot - from));
+    from = dot + 1;
+  }
+  return node;
+}
+
+/// A key whose value is a number or a list of numbers, in a named part of the scene that exists.
+void check_key(const YamlReader& reader, const std::string& key, const std::string& text, const YamlNode& tree,
+               const std::string& scene_file) {
+  YamlNode changed = tree;
+  try {
+    const YamlNode* present = node_at(tree, key);
+    set_path(changed, key, present == nullptr || present->kind == YamlNode::Kind::null ? text : emit_yaml(*present));
+    const Scene ignored = parse_scene(emit_yaml(changed), scene_file, {}, fs::path(scene_file).parent_path());
+  } catch (const Error& problem) {
+    reader.fail(fmt::format("the scene has no such key, or not of that kind: {}", problem.problem()), problem.remedy());
+  }
+}
+
+class BundleReader {
+ public:
+  BundleReader(const fs::path& file, const fs::path& root, const std::vector<Override>& overrides)
+      : file_(file), root_(root.empty() ? folder_of(file) : root), overrides_(overrides) {}
+
+  Bundle read() {
+    std::error_code ignored;
+    if (!fs::is_directory(root_, ignored))
+      throw Error("--root " + root_.string(), "no such folder", "name the folder of the CSV files");
+    const YamlNode tree = parse_yaml(read_bytes(file_), file_.string());
+    const YamlReader top(tree, file_.string());
+    top.only({"title", "source", "licence", "scene", "calibrate", "noise", "runs"});
+    if (top.has("title")) bundle_.title = top.at("title").text();
+    if (top.has("source")) bundle_.source = top.at("source").text();
+    if (top.has("licence")) bundle_.licence = top.at("licence").text();
+    read_scene(top.at("scene"));
+    if (top.has("calibrate"))
+      for (const YamlReader& item : top.at("calibrate").items()) {
+        bundle_.calibrate.push_back(item.text());
+        check_key(item, item.text(), "0.1", scene_tree_, bundle_.scene_file.string());
+      }
+    const std::vector<YamlReader> runs = top.at("runs").items();
+    if (runs.empty()) top.at("runs").fail("no runs", "a bundle holds one run at least");
+    std::set<std::string> ids;
+    for (const YamlReader& run : runs) read_run(run, ids);
+    if (top.has("noise")) read_noise(top.at("noise"));
+    if (bundle_.split_given &&
+        std::all_of(bundle_.runs.begin(), bundle_.runs.end(), [](const BundleRun& r) { return r.held_out; }))
+      top.at("runs").fail("every run is held out: nothing is left to fit", "set `held_out: false` for some");
+    for (std::string& doubt : doubts_of(bundle_)) bundle_.warnings.push_back(std::move(doubt));
+    return std::move(bundle_);
+  }
+
+ private:
+  static fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+  }
+
+  void read_scene(const YamlReader& reader) {
+    bundle_.scene_file = folder_of(file_) / reader.text();
+    std::error_code ignored;
+    if (!fs::exists(bundle_.scene_file, ignored))
+      reader.fail(fmt::format("there is no {}", bundle_.scene_file.string()),
+                  "the scene's file name is relative to recording.yaml");
+    bundle_.scene = load_scene(bundle_.scene_file, overrides_);
+    scene_tree_ = parse_yaml(bundle_.scene.text, bundle_.scene_file.string());
+  }
+
+  void read_run(const YamlReader& reader, std::set<std::string>& ids) {
+    reader.only({"id", "set", "free", "held_out", "observables"});
+    BundleRun run;
+    run.id = reader.at("id").text();
+    if (!ids.insert(run.id).second)
+      reader.at("id").fail(fmt::format("run `{}` is there twice", run.id), "give each run an id of its own");
+    Scene scene = bundle_.scene;
+    YamlNode tree = scene_tree_;
+    if (reader.has("set")) {
+      const YamlReader set = reader.at("set");
+      if (set.node().kind != YamlNode::Kind::map)
+        set.fail("expected a map of scene keys", "write `{bodies.ball.position: [0, 0, 1]}`");
+      for (const YamlEntry& entry : set.node().entries) {
+        run.set.push_back({entry.key, emit_yaml(entry.value)});
+        try {
+          set_path(tree, entry.key, run.set.back().value);
+        } catch (const Error& problem) {
+          throw Error(fmt::format("{}:{}: {}.{}", file_.string(), entry.line, set.path(), entry.key), problem.problem(),
+                      problem.remedy());
+        }
+      }
+      try {
+        scene = parse_scene(emit_yaml(tree), bundle_.scene_file.string(), {}, folder_of(bundle_.scene_file));
+      } catch (const Error& problem) {
+        set.fail(fmt::format("with these keys the scene is refused: {}", problem.what()), "");
+      }
+    }
+    if (reader.has("free"))
+      for (const YamlReader& item : reader.at("free").items()) {
+        run.free.push_back(item.text());
+        check_key(item, item.text(), "[0, 0, 0]", tree, bundle_.scene_file.string());
+      }
+    if (reader.has("held_out")) {
+      run.held_out = reader.at("held_out").flag();
+      bundle_.split_given = bundle_.split_given || run.held_out;
+    }
+    const std::vector<YamlReader> observables = reader.at("observables").items();
+    if (observables.empty()) reader.at("observables").fail("a run without observables", "leave the run out");
+    for (const YamlReader& entry : observables) run.observations.push_back(read_observation(entry, root_, scene));
+    bundle_.runs.push_back(std::move(run));
+  }
+
+  /// Noise of names that the runs have.
+  void read_noise(const YamlReader& block) {
+    std::set<std::string> names;
+    for (const BundleRun& run : bundle_.runs)
+      for (const Observation& o : run.observations) {
+        names.insert(o.name);
+        if (!o.orientation.empty()) names.insert("orientation");
+      }
+    block.only({names.begin(), names.end()});
+    for (const auto& [name, reader] : block.named())
+      bundle_.noise[name] = reader.number(positive(name == "position"      ? dimension::length
+                                                   : name == "orientation" ? dimension::angle
+                                                                           : dimension::none));
+  }
+
+  const fs::path file_, root_;
+  const std::vector<Override>& overrides_;
+  Bundle bundle_;
+  YamlNode scene_tree_;
+};
+
+}  // namespace
+
+Bundle read_bundle(const fs::path& path, const fs::path& root, const std::vector<Override>& overrides) {
+  return BundleReader(recording_file(path), root, overrides).read();
+}
+
+}  // namespace repose

@@ -1,0 +1,31 @@
+#pragma once
+/// Reads and checks a recording bundle: recording.yaml, the nominal scene, and every CSV file.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analysis/bundle/bundle.hpp"
+#include "core/scene_yaml.hpp"
+#include "core/yaml_reader.hpp"
+
+namespace repose {
+
+/// `path`: the folder, or its recording.yaml. `root`: where the CSV files lie; empty: beside recording.yaml.
+/// `overrides` change the nominal scene. Throws Error naming file, line and key or column for: missing files, unknown
+/// keys (with the nearest), runs of the same id, bodies that the scene does not have, scene keys that it refuses, times
+/// that do not ascend, numbers that are not finite, quaternions off unit length by more than 1 %, an observation
+/// without two samples, doubtful observable names. What is doubtful but possible is a warning of the bundle.
+Bundle read_bundle(const std::filesystem::path& path, const std::filesystem::path& root = {},
+                   const std::vector<Override>& overrides = {});
+
+/// One entry of `observables`, with its CSV file below `root`. `scene`: names the bodies. A wholly empty column is an
+/// axis that was not observed.
+Observation read_observation(const YamlReader& entry, const std::filesystem::path& root, const Scene& scene);
+
+/// Names with a meaning; other series are kept, but nothing simulated can be compared with them.
+const std::vector<std::string>& reserved_series();
+
+/// What is doubtful in the data of a bundle: the same data twice, a rate that varies wildly, a record of one place.
+std::vector<std::string> doubts_of(const Bundle& bundle);
+
+}  // namespace repose

@@ -1,0 +1,82 @@
+#include "scenarios/bed.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.hpp"
+#include "core/hdf5_file.hpp"
+#include "core/recording_model.hpp"
+#include "core/recording_state.hpp"
+#include "scenarios/version.hpp"
+
+namespace repose {
+namespace {
+
+constexpr double resting = 0.01;  // of sqrt(g d)
+constexpr const char* remedy = "remove the folder; the bed is then made anew";
+
+/// Root mean square speed of the grains in sqrt(g d), d their mean diameter.
+double speed_of_grains(const Model& model, const Snapshot& state) {
+  double squares = 0, diameter = 0, n = 0;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].role != BodyRole::grain) continue;
+    squares += state.velocity[i].squaredNorm();
+    diameter += 2 * model.bodies[i].radius;
+    n += 1;
+  }
+  const double scale = model.gravity.norm() * diameter / n;
+  return n > 0 && scale > 0 ? std::sqrt(squares / n / scale) : 0;
+}
+
+Bed read_bed(const std::filesystem::path& file, const Model& model) {
+  const Hdf5Reader in(file, remedy);
+  Bed bed;
+  bed.state = read_snapshot<double>(in, "/state", model.bodies.size());
+  const std::vector<double> figures = in.read<double>("/figures", 1, 6);
+  bed.at_rest = figures[0] > 0;
+  bed.time = figures[1];
+  bed.wall_s = figures[2];
+  bed.speed_rms = figures[3];
+  bed.converged_fraction = figures[4];
+  bed.residual_max = figures[5];
+  return bed;
+}
+
+}  // namespace
+
+std::string bed_key(const Prepared& bed, const Options& options) {
+  const SolverOptions& s = bed.scene.solver;
+  const std::string text =
+      fmt::format("{:016x} {} {} {} {} {} {} {} {} {} {} {} {} {}", fingerprint(bed.model), s.time_step, s.tolerance, s.max_iterations,
+                  static_cast<int>(s.kind), static_cast<int>(s.law), s.warm_start, s.search_margin, bed.scene.duration,
+                  bed.scene.frame_interval, options.backend, options.allow_unsupported, version(), commit());
+  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return fmt::format("{:016x}", hash);
+}
+
+std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, const std::filesystem::path& folder) {
+  Options own = options;
+  own.out = folder / bed_key(prepared, options);
+  const std::filesystem::path file = own.out / "bed.h5";
+  const bool there = std::filesystem::exists(file);
+  if (!there) {
+    own.resume = options.resume && std::filesystem::exists(own.out / "checkpoints");
+    const auto finished = [&](const Snapshot& state, const StepReport&) { return speed_of_grains(prepared.model, state) < resting; };
+    const RunReport report = simulate(prepared, own, "bed.h5", finished);
+    if (report.end == RunReport::End::interrupted) return std::nullopt;
+    const double speed = speed_of_grains(prepared.model, report.final_state);
+    Hdf5Writer out(Hdf5Writer::Packing::compressed);
+    write_snapshot<double>(out, "/state", report.final_state);
+    out.write("/figures", std::vector<double>{speed < resting ? 1.0 : 0.0, report.final_state.time, report.wall_s, speed,
+                                              report.converged_fraction, report.residual_max});
+    write_atomically(file, out.bytes());
+  }
+  Bed bed = read_bed(file, prepared.model);
+  bed.reused = there;
+  bed.folder = own.out;
+  return bed;
+}
+
+}  // namespace repose

@@ -1,0 +1,29 @@
+#pragma once
+/// The settled bed of a layer scene, kept so that other spreader settings can use it.
+#include <filesystem>
+#include <optional>
+
+#include "scenarios/simulate.hpp"
+
+namespace repose {
+
+struct Bed {
+  Snapshot state;          ///< of the bed scene's model, in double
+  bool reused = false;     ///< it was there already
+  bool at_rest = false;    ///< else the time that `settle` gives ran out
+  double time = 0;         ///< simulated [s]
+  double wall_s = 0;       ///< that making it took, then [s]
+  double speed_rms = 0;    ///< of the grains, in sqrt(g d)
+  double converged_fraction = 1, residual_max = 0;
+  std::filesystem::path folder;
+};
+
+/// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times,
+/// backend and the build. Threads do not count.
+std::string bed_key(const Prepared& bed, const Options& options);
+
+/// Takes the bed from `folder`/KEY, or makes it there (frames, checkpoints and bed.h5, which is written last). It is at rest
+/// when the root mean square speed of the grains is below 0.01 sqrt(g d). nullopt if it was interrupted: a run with --resume goes on.
+std::optional<Bed> make_bed(const Prepared& bed, const Options& options, const std::filesystem::path& folder);
+
+}  // namespace repose

@@ -1,0 +1,22 @@
+#pragma once
+/// Runs a scene on a backend and keeps what its bodies did: the function that analyses are handed.
+#include <memory>
+
+#include "analysis/history.hpp"
+#include "core/world.hpp"
+
+namespace repose {
+
+/// Simulates with `backend`, in memory. `interrupted` is polled every step; then Error (Kind::simulation) is thrown.
+/// Throws Error (Kind::input) for physics that the backend lacks, unless `allow_unsupported`.
+Simulate simulate_with(const Backend& backend, bool allow_unsupported);
+
+/// As above for a model that exists, with its final state: for measurements of a heap.
+struct HistoryRun {
+  Model model;
+  History history;
+  Snapshot final_state;
+};
+HistoryRun run_history(const Backend& backend, const SimulationRequest& request, bool allow_unsupported);
+
+}  // namespace repose

@@ -1,0 +1,127 @@
+/// repose layer: a roller or a blade spreads a pile of powder over a settled bed; the surface is measured before and after.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "analysis/render/height_picture.hpp"
+#include "core/error.hpp"
+#include "core/scene_yaml.hpp"
+#include "scenarios/bed.hpp"
+#include "scenarios/installation.hpp"
+#include "scenarios/layer_json.hpp"
+#include "scenarios/layer_measurement.hpp"
+#include "scenarios/layer_report.hpp"
+#include "scenarios/spreader.hpp"
+
+namespace {
+
+using namespace repose;
+
+std::filesystem::path scene_file(const Options& options) {
+  return options.file.empty() ? config_file("layer-" + options.preset + ".yaml") : options.file;
+}
+
+/// The free bodies of `to` stand as those of `from` do: the same ones in the same order, around other tools.
+void take_over(const Model& from, const Snapshot& state, Model& to) {
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < to.bodies.size(); ++i) {
+    if (!to.bodies[i].dynamic) continue;
+    while (!from.bodies[k].dynamic) ++k;
+    to.initial.position[i] = state.position[k];
+    to.initial.orientation[i] = state.orientation[k];
+    to.initial.velocity[i] = state.velocity[k];
+    to.initial.angular_velocity[i] = state.angular_velocity[k];
+    ++k;
+  }
+}
+
+std::string draw_surfaces(const LayerMeasurement& m) {
+  // One scale, from the 0.1 % to the 99.9 % quantile of both: a single deep hole would flatten all colours.
+  const double low = std::min(m.before.heights.quantile.front(), m.after.heights.quantile.front());
+  const double high = std::max(m.before.heights.quantile.back(), m.after.heights.quantile.back());
+  const auto panel = [](const char* title, const HeightGrid& g) { return HeightPanel{title, g.nx, g.ny, &g.height}; };
+  return encode_png(height_picture({panel("before", m.before.grid), panel("after", m.after.grid)}, m.after.grid.cell, low,
+                                   high > low ? high : low + m.after.grid.cell, "height"));
+}
+
+void tell(const LayerMeasurement& m, const LayerSetup& setup, const SpreaderPath& path, const Bed& bed, const RunReport& report,
+          const Options& options) {
+  constexpr double um = 1e6;
+  fmt::print("bed              {} in {}; {}, {:.3g} s simulated\n", bed.reused ? "reused, settled before" : "settled now", bed.folder.string(),
+             bed.at_rest ? "at rest" : "NOT at rest: make layer.settle longer", bed.time);
+  fmt::print("spreader         lowest line {:.1f} um above the plate, {:.1f} um above the mean surface\n", (path.lowest - setup.plate) * um,
+             (path.lowest - setup.plate - m.before.heights.mean) * um);
+  fmt::print("{:<17}{:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "surface [um]", "mean", "min", "max", "sd", "Sa", "Sq", "packing");
+  for (const auto& [name, s] : {std::pair{"  before", &m.before}, {"  after", &m.after}})
+    fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.3f}\n", name, s->heights.mean * um, s->heights.min * um,
+               s->heights.max * um, s->heights.sd * um, s->roughness.Sa * um, s->roughness.Sq * um, s->packing.fraction);
+  fmt::print("highest grains of squares of {:.0f} um\n", setup.square * um);
+  for (const auto& [name, f] : {std::pair{"  centres before", &m.before.centres}, {"  centres after", &m.after.centres},
+                                {"  tops before", &m.before.tops}, {"  tops after", &m.after.tops}})
+    fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f}\n", name, f->mean * um, f->min * um, f->max * um, f->sd * um);
+  const SpreaderLoad& l = m.load;
+  fmt::print("layer            {:.2f} um thick in the mean; {} grains came into the region\n", m.thickness.mean * um, m.moved_in);
+  fmt::print("force            [{:.3g}, {:.3g}, {:.3g}] N, torque about y {:.3g} N m: mean of {} converged of {} steps over the region\n",
+             l.force.x(), l.force.y(), l.force.z(), l.torque.y(), l.converged, l.steps);
+  if (m.lost > 0) fmt::print("warning          {} grains lie below the plate\n", m.lost);
+  fmt::print("wall time        {:.1f} s for the bed{}, {:.1f} s for the layer\n", bed.wall_s, bed.reused ? " (then)" : "", report.wall_s);
+  for (const auto& [what, file] :
+       {std::pair{"surfaces", "surface.vdb"}, {"picture", "surface.png"}, {"report", "report.html"}, {"result", "result.json"}})
+    fmt::print("{:<17}{}\n", what, (options.out / file).string());
+}
+
+int spread(const Options& options, const std::filesystem::path& beds) {
+  const Scene scene = load_scene(scene_file(options), options.overrides);
+  if (!scene.layer) throw Error("layer", "the scene has no `layer` block", "say what spreads and where it is measured; see scenarios/configs/layer-quick.yaml");
+  const LayerSetup& setup = *scene.layer;
+  const Prepared bed_prepared = prepare(bed_scene(scene), options);
+  const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
+  if (!bed) {
+    fmt::print(stderr, "interrupted while the bed settled; the same command with --resume goes on from here\n");
+    return exit_status::interrupted;
+  }
+  const SurfaceRegion region{setup.lower, setup.upper, setup.plate};
+  const HeightFigures settled = height_figures(height_grid(bed_prepared.model, bed->state, region, setup.cell));
+  if (settled.n == 0) throw Error("layer.region", "no grain lies over the region", "move the region to where the bed is");
+  const SpreaderPath path = spreader_path(scene, bed_prepared.model, bed->state, settled.mean);
+
+  const Prepared prepared = prepare(spreading_scene(scene, path), options,
+                                    [&](Model& model) { take_over(bed_prepared.model, bed->state, model); });
+  const RunReport report = simulate(prepared, options, "result.json", {}, setup.spreader);
+  const int status = report_status(report, options);
+  if (report.end == RunReport::End::interrupted) return status;
+
+  // Before the frames are read back: the peak memory in it is that of the simulation.
+  nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("layer", prepared, options, report));
+  const Recording recording = read_recording(options.out / "run.h5");
+  const LayerMeasurement layer =
+      measure_layer(setup, prepared.model, prepared.model.initial, report.final_state, recording.steps, path.lowest, path.from);
+  write_vdb(options.out / "surface.vdb", {{"before", layer.before.grid}, {"after", layer.after.grid}});
+  const std::string picture = draw_surfaces(layer);
+  write_atomically(options.out / "surface.png", picture);
+  write_atomically(options.out / "report.html",
+                   report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture})));
+  result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
+  write_result(options.out / "result.json", result.dump(2));
+  tell(layer, setup, path, *bed, report, options);
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandInfo info;
+  info.name = "layer";
+  info.summary =
+      "Spreads a pile of powder over a settled bed with a roller or a blade and measures the surface before and after; writes "
+      "result.json, run.h5, surface.vdb, surface.png and report.html. The settled bed is kept and used again by runs that differ in "
+      "the spreader alone.";
+  info.example = "repose layer --preset quick\n  repose layer --set layer.rotation=counter_rotating --out out/counter";
+  info.file = "SCENE.yaml";
+  info.presets = {"quick", "desk", "study"};
+  std::string beds = "out/beds";
+  return run_command(
+      argc, argv, info, [&](const Options& options) { return spread(options, beds); },
+      [&](CLI::App& app) { app.add_option("--beds", beds, "folder of settled beds (default out/beds)")->type_name("DIR"); });
+}

@@ -1,0 +1,301 @@
+#include "scenarios/layer_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "analysis/render/camera.hpp"
+#include "analysis/render/render.hpp"
+#include "scenarios/version.hpp"
+
+namespace repose {
+namespace {
+
+using namespace report;
+
+constexpr double um = 1e6, mm = 1e3;
+
+/// The bed with the spreader over the middle of the region, from the frame nearest to that time.
+std::optional<Picture> bed_picture(const LayerReportInput& in) {
+  const LayerSetup& setup = *in.prepared.scene.layer;
+  if (in.recording.frames.empty()) return std::nullopt;
+  const double middle = 0.5 * (setup.lower.x() + setup.upper.x());
+  const auto x_at = [&](const Snapshot& s) { return in.path.from + setup.speed * s.time; };
+  const Snapshot& frame = *std::min_element(in.recording.frames.begin(), in.recording.frames.end(), [&](const Snapshot& a, const Snapshot& b) {
+    return std::abs(x_at(a) - middle) < std::abs(x_at(b) - middle);
+  });
+  RenderOptions options;
+  options.threads = in.options.threads;
+  options.hide = {"side_left", "side_right"};
+  options.caption = fmt::format("t = {:.4f} s, lowest line of the spreader at x = {:.2f} mm", frame.time, x_at(frame) * mm);
+  FrameOptions view;
+  view.hide = options.hide;
+  view.hide.push_back(setup.spreader);
+  const Camera camera = frame_scene(in.prepared.model, frame, view);
+  return Picture{encode_png(render(in.prepared.model, frame, camera, options)),
+                 "The bed and the spreader under way; side walls are not drawn, the spreader is glass where it hides the powder.", ""};
+}
+
+Chart profile_chart(const LayerReportInput& in) {
+  Chart chart;
+  const HeightGrid &b = in.layer.before.grid, &a = in.layer.after.grid;
+  const int row = a.ny / 2;
+  chart.title = "Profile along the travel";
+  chart.caption = fmt::format("Height of the surface along the line y = {:.3f} mm, before and after; gaps are holes down to the plate.",
+                              a.middle(0, row).y() * mm);
+  chart.x = {"x", "mm"};
+  chart.y = {"height above the plate", "µm"};
+  for (const auto& [name, grid] : {std::pair{"before", &b}, {"after", &a}}) {
+    Series s{name, {}, {}, {}, Series::Style::line, false};
+    for (int i = 0; i < grid->nx; ++i) {
+      s.x.push_back(grid->middle(i, row).x() * mm);
+      s.y.push_back(grid->is_hole(i, row) ? std::numeric_limits<double>::quiet_NaN() : grid->at(i, row) * um);
+    }
+    chart.series.push_back(std::move(s));
+  }
+  chart.bands.push_back({"lowest line of the spreader", (in.path.lowest - in.prepared.scene.layer->plate) * um, 0});
+  return chart;
+}
+
+Series histogram(const char* name, const std::vector<double>& heights, double low, double high, bool dashed) {
+  constexpr int bins = 60;
+  std::vector<double> count(bins, 0);
+  double n = 0;
+  for (double z : heights) {
+    if (std::isnan(z)) continue;
+    n += 1;
+    count[static_cast<std::size_t>(std::clamp(static_cast<int>((z - low) / (high - low) * bins), 0, bins - 1))] += 1;
+  }
+  Series s{name, {}, {}, {}, Series::Style::line, dashed};
+  for (int k = 0; k < bins; ++k) {
+    s.x.push_back((low + (k + 0.5) * (high - low) / bins) * um);
+    s.y.push_back(n > 0 ? 100 * count[static_cast<std::size_t>(k)] / n : 0);
+  }
+  return s;
+}
+
+Chart histogram_chart(const char* title, const char* caption, const std::vector<double>& before, const std::vector<double>& after) {
+  Chart chart;
+  chart.title = title;
+  chart.caption = caption;
+  chart.x = {"height above the plate", "µm"};
+  chart.y = {"share", "%"};
+  std::vector<double> all = before;
+  all.insert(all.end(), after.begin(), after.end());
+  const HeightFigures f = height_figures(all);
+  const double high = f.max > f.min ? f.max : f.min + 1e-6;
+  chart.series = {histogram("before", before, f.min, high, true), histogram("after", after, f.min, high, false)};
+  return chart;
+}
+
+Chart depth_chart(const LayerMeasurement& m) {
+  Chart chart;
+  chart.title = "Packing by height";
+  chart.caption = "Share of each slab that is solid, and, dashed, the share of it that lies below the surface, from exact chords through the grains.";
+  chart.x = {"height above the plate", "µm"};
+  chart.y = {"share", "1"};
+  for (const auto& [name, p] : {std::pair{"before", &m.before.packing}, {"after", &m.after.packing}}) {
+    Series solid{name, {}, {}, {}, Series::Style::line, false}, below{std::string(name) + ", below the surface", {}, {}, {}, Series::Style::line, true};
+    for (std::size_t k = 0; k < p->solid.size(); ++k)
+      for (auto [series, share] : {std::pair{&solid, p->solid[k]}, {&below, p->below_surface[k]}}) {
+        series->x.push_back((static_cast<double>(k) + 0.5) * p->slab * um);
+        series->y.push_back(share);
+      }
+    chart.series.push_back(std::move(solid));
+    chart.series.push_back(std::move(below));
+  }
+  return chart;
+}
+
+Chart segregation_chart(const char* title, const char* axis, double scale, const char* unit, const std::vector<SegregationBin>& before,
+                        const std::vector<SegregationBin>& after) {
+  Chart chart;
+  chart.title = title;
+  chart.caption = "Mean diameter of the grains whose centre lies in the bin; bars: standard error.";
+  chart.x = {axis, unit};
+  chart.y = {"mean diameter", "µm"};
+  for (const auto& [name, bins] : {std::pair{"before", &before}, {"after", &after}}) {
+    Series s{name, {}, {}, {}, Series::Style::line_and_points, false};
+    for (const SegregationBin& b : *bins) {
+      s.x.push_back(0.5 * (b.from + b.to) * scale);
+      s.y.push_back(b.size * um);
+      s.error.push_back(b.size_se * um);
+    }
+    chart.series.push_back(std::move(s));
+  }
+  return chart;
+}
+
+Chart load_chart(const LayerReportInput& in, bool torque) {
+  Chart chart;
+  const LayerSetup& setup = *in.prepared.scene.layer;
+  chart.title = torque ? "Torque on the spreader" : "Force on the spreader";
+  chart.caption = "From the contact forces of each step that converged; gaps: steps that did not. Lengthwise the place of the lowest line.";
+  chart.x = {"x of the lowest line", "mm"};
+  chart.y = {torque ? "torque about y" : "force", torque ? "nN m" : "µN"};
+  Series x{"x, against the travel", {}, {}, {}, Series::Style::line, false}, z{"z, upward", {}, {}, {}, Series::Style::line, false};
+  for (const StepRecord& step : in.recording.steps) {
+    const double at = (in.path.from + setup.speed * std::min(step.time, in.path.duration)) * mm;
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    x.x.push_back(at);
+    z.x.push_back(at);
+    x.y.push_back(!step.report.converged ? none : torque ? step.tool_torque.y() * 1e9 : step.tool_force.x() * 1e6);
+    z.y.push_back(!step.report.converged ? none : step.tool_force.z() * 1e6);
+  }
+  if (torque) {
+    x.name = "torque about y";
+    chart.series = {x};
+  } else {
+    chart.series = {x, z};
+  }
+  return chart;
+}
+
+Chart step_chart(const LayerReportInput& in, bool residual) {
+  Chart chart;
+  chart.title = residual ? "Residual of each step" : "Iterations of each step";
+  chart.x = {"time", "s"};
+  chart.y = {residual ? "residual" : "iterations", "", residual};
+  Series s{chart.y.label, {}, {}, {}, Series::Style::line, false};
+  for (const StepRecord& step : in.recording.steps) {
+    s.x.push_back(step.time);
+    s.y.push_back(residual ? step.report.residual : step.report.iterations);
+  }
+  chart.series = {s};
+  if (residual) chart.bands.push_back({"tolerance", in.prepared.scene.solver.tolerance, 0});
+  return chart;
+}
+
+Table surface_table(const LayerMeasurement& m) {
+  Table t;
+  t.title = "Surface";
+  t.header = {"µm", "before", "after"};
+  const auto row = [&](const char* name, double before, double after, double unit = um) {
+    t.rows.push_back({name, fmt::format("{:.2f}", before * unit), fmt::format("{:.2f}", after * unit)});
+  };
+  const auto with = [&](const char* name, double before, double after, double RoughnessError::*error, double unit = um) {
+    const auto cell = [&](double value, const BedSurface& s) {
+      return s.error ? rounded(value * unit, (*s.error).*error * unit) : fmt::format("{:.2f}", value * unit);
+    };
+    t.rows.push_back({name, cell(before, m.before), cell(after, m.after)});
+  };
+  const Roughness &a = m.before.roughness, &b = m.after.roughness;
+  with("mean height", m.before.heights.mean, m.after.heights.mean, &RoughnessError::mean);
+  row("lowest", m.before.heights.min, m.after.heights.min);
+  row("highest", m.before.heights.max, m.after.heights.max);
+  row("standard deviation", m.before.heights.sd, m.after.heights.sd);
+  with("Sa", a.Sa, b.Sa, &RoughnessError::Sa);
+  with("Sq", a.Sq, b.Sq, &RoughnessError::Sq);
+  row("Sp", a.Sp, b.Sp);
+  row("Sv", a.Sv, b.Sv);
+  row("Sz", a.Sz, b.Sz);
+  with("Ssk [1]", a.Ssk, b.Ssk, &RoughnessError::Ssk, 1);
+  with("Sku [1]", a.Sku, b.Sku, &RoughnessError::Sku, 1);
+  row("Sal", m.before.Sal.value_or(std::nan("")), m.after.Sal.value_or(std::nan("")));
+  row("covered by grains [%]", m.before.coverage, m.after.coverage, 100);
+  t.notes = {"ISO 25178-2, least-squares plane removed; uncertainties: block bootstrap over the region. Extremes depend on the area."};
+  return t;
+}
+
+Table highest_table(const LayerMeasurement& m) {
+  Table t;
+  t.title = fmt::format("Highest grain in each square of {:.0f} µm", m.after.highest.square * um);
+  t.header = {"µm", "centres before", "centres after", "tops before", "tops after"};
+  const HeightFigures* columns[] = {&m.before.centres, &m.after.centres, &m.before.tops, &m.after.tops};
+  const auto row = [&](const std::string& name, auto value) {
+    std::vector<std::string> cells{name};
+    for (const HeightFigures* f : columns) cells.push_back(fmt::format("{:.2f}", value(*f) * um));
+    t.rows.push_back(std::move(cells));
+  };
+  row("mean", [](const HeightFigures& f) { return f.mean; });
+  row("lowest", [](const HeightFigures& f) { return f.min; });
+  row("highest", [](const HeightFigures& f) { return f.max; });
+  row("standard deviation", [](const HeightFigures& f) { return f.sd; });
+  for (std::size_t k = 0; k < told_shares.size(); ++k)
+    row(fmt::format("{:g} %", 100 * told_shares[k]), [k](const HeightFigures& f) { return f.quantile[k]; });
+  t.notes = {fmt::format("{} squares with a grain after.", m.after.tops.n)};
+  return t;
+}
+
+Table bed_table(const LayerReportInput& in) {
+  const LayerMeasurement& m = in.layer;
+  Table t;
+  t.title = "Bed and spreader";
+  t.header = {"quantity", "value", "unit", "remark"};
+  const auto row = [&](std::string a, std::string b, std::string c, std::string d) {
+    t.rows.push_back({std::move(a), std::move(b), std::move(c), std::move(d)});
+  };
+  const auto packing = [](const Packing& p) { return p.se > 0 ? rounded(p.fraction, p.se) : fmt::format("{:.4f}", p.fraction); };
+  row("layer thickness, mean", fmt::format("{:.2f}", m.thickness.mean * um), "µm", "after minus before, cell by cell");
+  row("layer thickness, 5 % to 95 %", fmt::format("{:.1f} to {:.1f}", m.thickness.quantile[2] * um, m.thickness.quantile[6] * um), "µm", "");
+  row("packing fraction before", packing(m.before.packing), "1", "solid share between plate and surface");
+  row("packing fraction after", packing(m.after.packing), "1", "");
+  row("  of what came", fmt::format("{:.3f}", m.layer_packing), "1", "solid volume that came over volume that came");
+  row("pores, mean upright chord", fmt::format("{:.1f} → {:.1f}", m.before.packing.pore_mean * um, m.after.packing.pore_mean * um), "µm", "before → after");
+  row("mass in the region", fmt::format("{:.4g} → {:.4g}", m.mass_in_region_before * 1e9, m.mass_in_region_after * 1e9), "µg",
+      fmt::format("of {:.4g} µg in all", m.mass * 1e9));
+  row("grains that came into the region", fmt::format("{}", m.moved_in), "", "");
+  const SpreaderLoad& l = m.load;
+  row("force along the travel", rounded(l.force.x() * um, l.force_se.x() * um), "µN", "mean over the region, standard error from ten stretches");
+  row("force upward", rounded(l.force.z() * um, l.force_se.z() * um), "µN", "");
+  row("torque about y", rounded(l.torque.y() * 1e9, l.torque_se.y() * 1e9), "nN m", "");
+  row("steps that converged", fmt::format("{} of {}", l.converged, l.steps), "", fmt::format("over the region; largest residual {:.2g}", l.residual_max));
+  row("deepest penetration", fmt::format("{:.3g}", in.run.max_penetration * um), "µm", "over all steps, by geometry");
+  row("contacts", fmt::format("{:.0f}", in.run.contacts_mean), "", "mean");
+  row("iterations per step", fmt::format("{:.1f}", in.run.iterations_mean), "", "mean");
+  t.notes = {"Rigid grains under a rigid spreader of prescribed path can jam: single peaks of the force then depend on the time step; means are "
+             "told, from converged steps only. Whether they are converged in the time step shows a second run with half of it."};
+  return t;
+}
+
+std::vector<double> as_doubles(const HeightGrid& g) { return {g.height.begin(), g.height.end()}; }
+
+}  // namespace
+
+report::Report layer_report(const LayerReportInput& in) {
+  const LayerMeasurement& m = in.layer;
+  const auto error = [&](double RoughnessError::*which) {
+    return m.after.error ? std::optional<double>((*m.after.error).*which * um) : std::nullopt;
+  };
+  Report page;
+  page.title = "Layer";
+  page.subtitle = fmt::format("{} grains, backend {}, seed {}", in.prepared.model.grain_count(), in.options.backend, in.options.seed);
+  page.headlines = {{"Sa after", m.after.roughness.Sa * um, error(&RoughnessError::Sa), "µm", fmt::format("before {:.2f} µm", m.before.roughness.Sa * um)},
+                    {"Layer thickness", m.thickness.mean * um, std::nullopt, "µm", "mean over the region"},
+                    {"Packing fraction", m.after.packing.fraction, m.after.packing.se, "", fmt::format("before {:.3f}", m.before.packing.fraction)}};
+  Warnings warnings;
+  if (!in.bed.at_rest) warnings.items.push_back("the bed was not at rest when the spreader started: make layer.settle longer");
+  if (m.lost > 0) warnings.items.push_back(fmt::format("{} grains lie below the plate", m.lost));
+  for (const Finding& f : in.prepared.findings) warnings.items.push_back(f.place + ": " + f.message);
+  for (const std::string& name : in.prepared.unsupported) warnings.items.push_back("left out, the backend cannot do it: " + name);
+  page.sections.push_back({"", {warnings, Picture{in.surface_png, "The same region before and after, on one colour scale (0.1 % to 99.9 % of both), lit from the upper left; the spreader travels to the right. Black: holes.", ""}}});
+  Section surface{"Surface",
+                  {profile_chart(in),
+                   histogram_chart("Heights", "Heights of the cells of the surface.", as_doubles(m.before.grid), as_doubles(m.after.grid)),
+                   histogram_chart("Highest grains, tops", "Highest point of the highest grain in each square.", m.before.highest.top, m.after.highest.top),
+                   surface_table(m), highest_table(m)}};
+  page.sections.push_back(std::move(surface));
+  Section bed{"Bed", {}};
+  if (auto picture = bed_picture(in)) bed.blocks.push_back(std::move(*picture));
+  bed.blocks.push_back(bed_table(in));
+  bed.blocks.push_back(depth_chart(m));
+  bed.blocks.push_back(segregation_chart("Size by height", "height above the plate", um, "µm", m.before.segregation.by_height, m.after.segregation.by_height));
+  bed.blocks.push_back(segregation_chart("Size along the travel", "x", mm, "mm", m.before.segregation.by_x, m.after.segregation.by_x));
+  page.sections.push_back(std::move(bed));
+  if (!in.recording.steps.empty())
+    page.sections.push_back({"Spreader and solver", {load_chart(in, false), load_chart(in, true), step_chart(in, true), step_chart(in, false)}});
+  Settings settings{"Run", {}};
+  settings.entries = {{"backend", in.options.backend},
+                      {"seed", std::to_string(in.options.seed)},
+                      {"steps", std::to_string(in.run.steps)},
+                      {"time step", fmt::format("{:.3g} s", in.prepared.scene.solver.time_step)},
+                      {"simulated", fmt::format("{:.4g} s", in.run.final_state.time)},
+                      {"wall clock", fmt::format("{:.1f} s, bed {:.1f} s", in.run.wall_s, in.bed.wall_s)},
+                      {"bed", in.bed.folder.string() + (in.bed.reused ? ", reused" : "")},
+                      {"version", std::string(version()) + " (" + commit() + ")"}};
+  page.sections.push_back({"Settings", {settings, Listing{"Scene as it was understood", in.prepared.scene.text}}});
+  return page;
+}
+
+}  // namespace repose

@@ -1,0 +1,24 @@
+#pragma once
+/// The report of `repose layer`.
+#include "analysis/report/report.hpp"
+#include "scenarios/bed.hpp"
+#include "scenarios/layer_measurement.hpp"
+#include "scenarios/simulate.hpp"
+#include "scenarios/spreader.hpp"
+
+namespace repose {
+
+struct LayerReportInput {
+  const Prepared& prepared;
+  const Options& options;
+  const RunReport& run;
+  const Recording& recording;
+  const LayerMeasurement& layer;
+  const SpreaderPath& path;
+  const Bed& bed;
+  const std::string& surface_png;
+};
+
+report::Report layer_report(const LayerReportInput& in);
+
+}  // namespace repose

@@ -1,0 +1,96 @@
+/// repose record SCENE.yaml: a simulated run as a recording bundle.
+#include <fmt/format.h>
+
+#include "analysis/bundle/read_bundle.hpp"
+#include "analysis/bundle/write_bundle.hpp"
+#include "analysis/heap_measurement.hpp"
+#include "core/error.hpp"
+#include "core/yaml_tree.hpp"
+#include "scenarios/record_block.hpp"
+#include "scenarios/simulate.hpp"
+
+namespace {
+
+using namespace repose;
+
+/// Profile and angle of the heap that a run left.
+void measure_heap_into(const Prepared& prepared, const HistoryRun& run, Observation& o) {
+  const HeapMeasurement heap = measure_heap(prepared.scene, run.model, run.final_state, nullptr, {});
+  if (o.name == "heap") {
+    o.at = heap.repose.profile.radius;
+    o.value = heap.repose.profile.height;
+  } else {
+    if (!heap.repose.angle)
+      throw Error("record.observables", "the heap has no angle of repose", "simulate longer, or with more grains");
+    o.scalar = heap.repose.angle->value;
+    o.sd = heap.repose.angle->sd;
+  }
+}
+
+BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
+                     const Options& options, std::uint64_t seed) {
+  BundleRun run;
+  run.id = wanted.id;
+  run.set = wanted.set;
+  run.free = block.free;
+  SimulationRequest request;
+  request.scene = &prepared.scene;
+  request.seed = seed;
+  for (const Observation& o : block.observables)
+    if (o.kind == ObservableKind::series && o.body.empty()) request.series.push_back(o.name);
+  const HistoryRun made = run_history(*prepared.backend, request, options.allow_unsupported);
+  const std::vector<double> times = sample_times(block.sensor.rate, prepared.scene.duration);
+  for (std::size_t i = 0; i < block.observables.size(); ++i) {
+    Observation o = block.observables[i];
+    if (o.kind == ObservableKind::trajectory || o.kind == ObservableKind::series)
+      observe(made.history, times, o);
+    else
+      measure_heap_into(prepared, made, o);
+    if (o.kind != ObservableKind::scalar) {
+      Random random(options.seed, 1000 * seed + i);
+      disturb(block.sensor, random, o);
+      o.file = file_name(run.id, o, block.observables);
+    }
+    run.observations.push_back(std::move(o));
+  }
+  return run;
+}
+
+int record(const Options& options) {
+  const Scene nominal = load_scene(options.file, options.overrides);
+  const RecordBlock block = read_record_block(nominal, options.file.string());
+  Bundle bundle;
+  bundle.title = fmt::format("Simulated: {}", options.file.filename().string());
+  bundle.source = fmt::format("repose record, backend {}, seed {}", options.backend, options.seed);
+  bundle.scene = nominal;
+  bundle.scene.text = block.scene_without_record;
+  bundle.calibrate = block.calibrate;
+  for (const auto& [name, sd] : block.sensor.noise)
+    if (sd > 0) bundle.noise[name] = sd;
+  for (std::size_t i = 0; i < block.runs.size(); ++i) {
+    std::vector<Override> changes = options.overrides;
+    changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
+    const Prepared prepared = prepare(load_scene(options.file, changes), options);
+    bundle.runs.push_back(record_run(prepared, block, block.runs[i], options, options.seed + i));
+  }
+  write_bundle(options.out, bundle);
+  fmt::print("{} run{} of {} observable{}\n{}\n", bundle.runs.size(), bundle.runs.size() == 1 ? "" : "s",
+             block.observables.size(), block.observables.size() == 1 ? "" : "s",
+             (options.out / "recording.yaml").string());
+  return exit_status::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandInfo info;
+  info.name = "record";
+  info.summary =
+      "Simulates a scene and writes what sensors would have seen of it, as a recording bundle: recording.yaml, "
+      "nominal.yaml and CSV "
+      "files. The scene's `record` block says what, how often and how well.";
+  info.example = "repose record scenarios/configs/bouncing_balls.yaml --out out/balls";
+  info.file = "SCENE.yaml";
+  info.file_required = true;
+  return run_command(argc, argv, info, record);
+}

@@ -1,0 +1,122 @@
+#include "scenarios/spreader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "core/error.hpp"
+#include "core/overlap.hpp"
+
+namespace repose {
+namespace {
+
+/// The tool standing so that its lowest line is at (x, z).
+Tool placed(const Tool& tool, double x, double z) {
+  Tool out = tool;
+  const auto* roller = std::get_if<Roller>(&tool.kind);
+  out.position = {x, tool.position.y(), z + (roller ? 0.5 * roller->diameter : 0.0)};
+  out.motion = {};
+  return out;
+}
+
+/// How far a blade reaches in front of its lowest line [m].
+double reach_ahead(const Blade& blade) {
+  const double rake = blade.rake_deg * std::numbers::pi / 180;
+  return blade.thickness * std::cos(rake) + std::max(0.0, blade.height * std::sin(rake));
+}
+
+/// The largest x of the lowest line at which a ball is not touched.
+double farthest_start(const Tool& tool, double lowest, const Vec3& centre, double radius) {
+  constexpr double anywhere = std::numeric_limits<double>::infinity();
+  if (const auto* roller = std::get_if<Roller>(&tool.kind)) {
+    const double r = 0.5 * roller->diameter, rise = centre.z() - lowest - r;
+    const double square = (r + radius) * (r + radius) - rise * rise;
+    return square > 0 ? centre.x() - std::sqrt(square) : anywhere;
+  }
+  if (centre.z() + radius < lowest) return anywhere;
+  return centre.x() - radius - reach_ahead(std::get<Blade>(tool.kind));
+}
+
+void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& path, double to) {
+  constexpr int places = 8;
+  for (int k = 0; k <= places; ++k) {
+    const double x = path.from + (to - path.from) * k / places;
+    for (const ToolBody& piece : build_tool(placed(spreader, x, path.lowest)))
+      for (const Tool& tool : scene.tools) {
+        if (tool.name == spreader.name) continue;
+        for (const ToolBody& other : build_tool(tool))
+          if (cut_into(piece.shape, piece.pose, other.shape, other.pose, 1e-7))
+            throw Error("layer.gap",
+                        fmt::format("at x = {:.4g} m the spreader, its lowest line at z = {:.6g} m, cuts into `{}`", x, path.lowest, tool.name),
+                        "make `gap` larger, lower or shorten that tool, or make the spreader narrower than the walls");
+      }
+  }
+}
+
+}  // namespace
+
+const Tool& spreader_of(const Scene& scene) {
+  return *std::find_if(scene.tools.begin(), scene.tools.end(), [&](const Tool& t) { return t.name == scene.layer->spreader; });
+}
+
+Scene bed_scene(const Scene& scene) {
+  Scene bed = scene;
+  std::erase_if(bed.tools, [&](const Tool& tool) { return tool.name == scene.layer->spreader; });
+  bed.duration = scene.layer->settle;
+  bed.solver.time_step = scene.layer->settle_time_step;
+  return bed;
+}
+
+SpreaderPath spreader_path(const Scene& scene, const Model& model, const Snapshot& settled, double surface) {
+  const LayerSetup& layer = *scene.layer;
+  const Tool& tool = spreader_of(scene);
+  SpreaderPath path;
+  path.lowest = layer.plate + layer.gap + (layer.gap_from == LayerSetup::GapFrom::bed ? surface : 0);
+  if (!(path.lowest > layer.plate))
+    throw Error("layer.gap", "the spreader would cut into the plate", "make `gap` larger");
+
+  double diameter = 0, grains = 0;
+  for (const Body& body : model.bodies)
+    if (body.role == BodyRole::grain) {
+      diameter += 2 * body.radius;
+      grains += 1;
+    }
+  const double clearance = grains > 0 ? 0.01 * diameter / grains : 0;
+  double farthest = layer.to;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const Body& body = model.bodies[i];
+    if (!body.dynamic) continue;
+    const double ball = body.scale * model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius;
+    farthest = std::min(farthest, farthest_start(tool, path.lowest, settled.position[i], ball + clearance));
+  }
+  if (layer.from && *layer.from > farthest)
+    throw Error("layer.from", fmt::format("at x = {:.6g} m the spreader stands in the powder", *layer.from),
+                fmt::format("leave it out, or start at {:.6g} m or before", farthest));
+  path.from = layer.from.value_or(farthest);
+  path.duration = (layer.to - path.from) / layer.speed;
+  if (!(path.duration > 0))
+    throw Error("layer.to", "the spreader finds nothing to spread before it arrives", "make `to` larger, or `gap` smaller");
+  refuse_cuts(scene, tool, path, layer.to);
+  return path;
+}
+
+Scene spreading_scene(const Scene& scene, const SpreaderPath& path) {
+  const LayerSetup& layer = *scene.layer;
+  Scene out = scene;
+  Tool& tool = *std::find_if(out.tools.begin(), out.tools.end(), [&](const Tool& t) { return t.name == layer.spreader; });
+  tool = placed(tool, path.from, path.lowest);
+  tool.motion.velocity = {layer.speed, 0, 0};
+  tool.motion.pivot = tool.position;
+  tool.motion.stop = path.duration;
+  if (const auto* roller = std::get_if<Roller>(&tool.kind); roller && layer.rotation != LayerSetup::Rotation::none) {
+    const double sign = layer.rotation == LayerSetup::Rotation::rolling ? 1 : -1;
+    tool.motion.angular_velocity = {0, sign * layer.rotation_ratio * layer.speed / (0.5 * roller->diameter), 0};
+  }
+  out.duration = path.duration + layer.rest;
+  return out;
+}
+
+}  // namespace repose

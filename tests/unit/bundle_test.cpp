@@ -1,0 +1,221 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "analysis/bundle/csv_table.hpp"
+#include "analysis/bundle/read_bundle.hpp"
+#include "analysis/bundle/sensor.hpp"
+#include "analysis/bundle/write_bundle.hpp"
+#include "core/error.hpp"
+
+namespace repose {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string scene_text = R"(materials: {steel: {density: 7800}}
+pairs: {steel-steel: {friction: 0.3}}
+shapes: {ball: {type: sphere, radius: 0.02}, floor: {type: half_space}}
+bodies:
+  ball: {shape: ball, material: steel, position: [0, 0, 1], velocity: [0.3, 0, 0]}
+  floor: {shape: floor, material: steel, fixed: true}
+solver: {time_step: 1 ms, tolerance: 1.0e-6}
+duration: 0.3
+)";
+
+/// A folder of its own for each test.
+class BundleFiles : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::temp_directory_path() /
+             ("repose-bundle-" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    write("nominal.yaml", scene_text);
+    write("a.csv", "time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03,,0.95\n0.2,ball,,,\n");
+    write("recording.yaml", yaml());
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder / name) << text; }
+  static std::string yaml(const std::string& run = "", const std::string& top = "") {
+    return "title: Test\nscene: nominal.yaml\n" + top + "runs:\n  - id: a\n" + run +
+           "    observables: [{kind: trajectory, body: ball, file: a.csv}]\n";
+  }
+  /// The message of the refusal; "" if the bundle is accepted.
+  std::string refusal() const {
+    try {
+      read_bundle(folder);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  void expect_refusal(const std::string& place, const std::string& remedy) const {
+    const std::string message = refusal();
+    EXPECT_NE(message.find(place), std::string::npos) << message;
+    EXPECT_NE(message.find(remedy), std::string::npos) << message;
+  }
+  fs::path folder;
+};
+
+TEST_F(BundleFiles, EmptyFieldsAreNotObserved) {
+  const Bundle bundle = read_bundle(folder);
+  const Observation& o = bundle.runs.at(0).observations.at(0);
+  ASSERT_EQ(o.time.size(), 3U);
+  EXPECT_DOUBLE_EQ(o.position[1].x(), 0.03);
+  EXPECT_TRUE(std::isnan(o.position[1].y()));
+  EXPECT_TRUE(o.position[2].array().isNaN().all());
+  EXPECT_TRUE(o.orientation.empty());
+}
+
+TEST_F(BundleFiles, KeepsWhatTheExperimenterSaid) {
+  write("recording.yaml",
+        yaml("    set: {bodies.ball.velocity: [1, 0, 0]}\n    free: [bodies.ball.position]\n    held_out: true\n",
+             "calibrate: [pairs.steel-steel.friction]\nnoise: {position: 1 mm}\n") +
+            "  - id: b\n    observables: [{kind: scalar, name: angle_of_repose, value: 32.93, sd: 1.15, unit: deg}]\n");
+  const Bundle bundle = read_bundle(folder);
+  EXPECT_EQ(bundle.runs.at(0).set.at(0).path, "bodies.ball.velocity");
+  EXPECT_EQ(bundle.runs.at(0).free.at(0), "bodies.ball.position");
+  EXPECT_TRUE(bundle.runs.at(0).held_out);
+  EXPECT_DOUBLE_EQ(bundle.noise.at("position"), 1e-3);
+  EXPECT_DOUBLE_EQ(bundle.runs.at(1).observations.at(0).scalar, 32.93);
+}
+
+TEST_F(BundleFiles, RefusesWithPlaceAndRemedy) {
+  EXPECT_EQ(refusal(), "");
+  const auto with_csv = [&](const std::string& text) { write("a.csv", text); };
+  const auto with_yaml = [&](const std::string& text) {
+    write("a.csv", "time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03,,0.95\n");
+    write("recording.yaml", text);
+  };
+  with_csv("time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03,,0.95\n0.05,ball,1,,2\n");
+  expect_refusal("a.csv:4: column `time`", "ascend");
+  with_csv("time,body,x,y,z\n0,ball,0,,1\n0.1,ball,nan,,0.95\n");
+  expect_refusal("a.csv:3: column `x`", "leave the field empty");
+  with_csv("time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03 m,,0.95\n");
+  expect_refusal("a.csv:3: column `x`", "without a unit");
+  with_csv("time,body,x,y,z\n0,ball,0,,1\n");
+  expect_refusal("a.csv: 1 sample", "two samples");
+  with_csv("time,body,x,y,z\n0,ball,,,\n1,ball,,,\n");
+  expect_refusal("no axis was observed", "leave the observable out");
+  with_csv("time,body,x,y,z\n0,bal,0,,1\n1,bal,0,,1\n");
+  expect_refusal("no sample of body `ball`", "name in recording.yaml");
+  with_csv("time,body,x,y,hight\n0,ball,0,,1\n1,ball,0,,1\n");
+  expect_refusal("unknown column `hight`", "known: time");
+  with_csv("0,ball,0,,1\n1,ball,0,,1\n");
+  expect_refusal("a.csv:1", "header line");
+  with_csv("time,body,x,y,z\n0,ball,0,,1\n0,1,ball,0,03,,0,95\n");
+  expect_refusal("a.csv:3", "decimal comma");
+  with_csv("time,body,x,y,z\n0,\"ball,0,,1\n");
+  expect_refusal("a.csv:2", "close it");
+  with_csv("time,body,x,y,z,qw,qx,qy,qz\n0,ball,0,0,1,1,0,0,0\n1,ball,0,0,1,2,0,0,0\n");
+  expect_refusal("a.csv:3: qw,qx,qy,qz", "normalise");
+  with_csv("time,body,x,y,z,qw,qx,qy,qz\n0,ball,0,0,1,1,0,0,0\n1,ball,0,0,1,1,0,,0\n");
+  expect_refusal("lacks components", "all four");
+  with_csv("");
+  expect_refusal("a.csv", "names the columns");
+  fs::remove(folder / "a.csv");
+  expect_refusal("no such file", "--root");
+
+  with_yaml("scene: nominal.yaml\nrun: []\n");
+  expect_refusal("recording.yaml:2: run", "did you mean `runs`?");
+  with_yaml("scene: other.yaml\nruns: []\n");
+  expect_refusal("recording.yaml:1: scene", "relative to recording.yaml");
+  with_yaml(yaml("    fre: [bodies.ball.position]\n"));
+  expect_refusal("fre", "did you mean `free`?");
+  with_yaml(yaml("    free: [bodies.bal.position]\n"));
+  expect_refusal("runs.0.free", "did you mean `ball`?");
+  with_yaml(yaml("    set: {bodies.ball.velocty: [1, 0, 0]}\n"));
+  expect_refusal("runs.0.set", "did you mean `velocity`?");
+  with_yaml(yaml("", "calibrate: [pairs.steel-steel.fricton]\n"));
+  expect_refusal("calibrate", "did you mean `friction`?");
+  with_yaml(yaml("", "noise: {positon: 1.0e-3}\n"));
+  expect_refusal("noise.positon", "did you mean `position`?");
+  with_yaml(yaml("", "noise: {position: -1}\n"));
+  expect_refusal("noise.position", "positive");
+  with_yaml(yaml() + "  - id: a\n    observables: [{kind: trajectory, body: ball, file: a.csv}]\n");
+  expect_refusal("run `a` is there twice", "id of its own");
+  with_yaml("scene: nominal.yaml\nruns: [{id: a, observables: [{kind: trajectory, body: cube, file: a.csv}]}]\n");
+  expect_refusal("the scene has no body `cube`", "known: ball");
+  with_yaml(
+      "scene: nominal.yaml\nruns: [{id: a, observables: [{kind: series, name: specific_force, body: ball, file: "
+      "a.csv}]}]\n");
+  expect_refusal("`axis` is missing", "add");
+  with_yaml(yaml("    held_out: true\n"));
+  expect_refusal("every run is held out", "for some");
+}
+
+TEST_F(BundleFiles, SaysWhatIsDoubtful) {
+  write("recording.yaml", yaml() + "  - id: b\n    observables: [{kind: trajectory, body: ball, file: a.csv}]\n");
+  const Bundle bundle = read_bundle(folder);
+  ASSERT_EQ(bundle.warnings.size(), 1U);
+  EXPECT_NE(bundle.warnings[0].find("same data"), std::string::npos);
+}
+
+TEST_F(BundleFiles, WrittenAndReadAgainIsTheSame) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Bundle bundle = read_bundle(folder);
+  bundle.noise["position"] = 1e-3;
+  bundle.runs[0].free = {"bodies.ball.velocity"};
+  bundle.runs[0].set = {{"bodies.ball.position", "[0.1, 0, 1]"}};
+  Observation o = bundle.runs[0].observations[0];
+  o.position = {{0.1, nan, 1.0 / 3}, {nan, nan, nan}, {1e-300, nan, -7}};
+  o.orientation = {Quat(1, 2, 3, 4).normalized(), Quat(nan, nan, nan, nan), Quat(0, 1, 0, 0)};
+  Observation series;
+  series.kind = ObservableKind::series;
+  series.name = "speed";
+  series.body = "ball";
+  series.file = "speed, of \"ball\".csv";
+  series.time = {0, 0.1};
+  series.value = {1.0 / 7, 2};
+  bundle.runs[0].observations = {o, series};
+
+  write_bundle(folder / "again", bundle);
+  const Bundle again = read_bundle(folder / "again");
+  const Observation& p = again.runs.at(0).observations.at(0);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_TRUE(p.position[i][k] == o.position[i][k] ||
+                  (std::isnan(p.position[i][k]) && std::isnan(o.position[i][k])));
+  EXPECT_LT(p.orientation[0].angularDistance(o.orientation[0]), 1e-15);
+  EXPECT_TRUE(std::isnan(p.orientation[1].w()));
+  EXPECT_EQ(again.runs[0].observations.at(1).value, series.value);
+  EXPECT_EQ(again.runs[0].free, bundle.runs[0].free);
+  EXPECT_EQ(again.noise, bundle.noise);
+}
+
+TEST(Sensor, NoiseHasTheStatedScatterAndIsReproducible) {
+  Observation exact;
+  exact.kind = ObservableKind::series;
+  exact.name = "speed";
+  for (int i = 0; i < 20000; ++i) {
+    exact.time.push_back(i);
+    exact.value.push_back(0);
+  }
+  const SensorModel sensor{.rate = 1, .noise = {{"speed", 0.5}}, .dropouts = 0.1};
+  Observation a = exact, b = exact;
+  Random first(7, 1), second(7, 1);
+  disturb(sensor, first, a);
+  disturb(sensor, second, b);
+  double sum = 0, squares = 0;
+  int seen = 0;
+  for (std::size_t i = 0; i < a.value.size(); ++i) {
+    if (std::isnan(a.value[i])) {
+      EXPECT_TRUE(std::isnan(b.value[i]));
+      continue;
+    }
+    EXPECT_EQ(a.value[i], b.value[i]);
+    ++seen;
+    sum += a.value[i];
+    squares += a.value[i] * a.value[i];
+  }
+  EXPECT_NEAR(seen, 18000, 5 * std::sqrt(20000 * 0.09));
+  EXPECT_NEAR(sum / seen, 0, 5 * 0.5 / std::sqrt(seen));
+  EXPECT_NEAR(std::sqrt(squares / seen), 0.5, 5 * 0.5 / std::sqrt(2.0 * seen));
+}
+
+}  // namespace
+}  // namespace repose
