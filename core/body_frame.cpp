@@ -36,6 +36,28 @@ Shape aligned_with_own_frame(const Shape& shape) {
   return aligned;
 }
 
+Shape with_centre_offset(const Shape& shape, const Vec3& offset) {
+  Shape moved = shape;
+  const Vec3 shift = shape.own_frame.orientation * offset;
+  for (Part& part : moved.parts) part.pose.position -= shift;
+  moved.mass.centre -= shift;
+  moved.own_frame.position -= shift;
+  moved.bounding_radius += shift.norm();
+  return moved;
+}
+
+Vec3 scaled_inertia(const Shape& shape, const Vec3& moments, const Vec3& factor) {
+  // Columns: the own axes seen from the body frame; rows: the principal axes.
+  const Mat3 own = shape.own_frame.orientation.toRotationMatrix();
+  Vec3 result = moments;
+  for (int k = 0; k < 3; ++k) {
+    Eigen::Index nearest = 0;
+    own.row(k).cwiseAbs().maxCoeff(&nearest);
+    result[k] *= factor[nearest];
+  }
+  return result;
+}
+
 Body dynamic_body(const Shape& shape, int shape_index, double scale, double density, int material) {
   assert(scale > 0 && density > 0);
   if (!(shape.mass.volume > 0) || !std::isfinite(shape.mass.volume))

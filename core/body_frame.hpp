@@ -20,6 +20,13 @@ Twist body_twist(const Shape& shape, double scale, const Pose& own, const Twist&
 /// The same shape with body axes parallel to its own axes: for a body whose moments of inertia are given about those.
 Shape aligned_with_own_frame(const Shape& shape);
 
+/// The same shape with its centre of mass moved by `offset` (own axes, in the unit of the shape): its parts lie that much
+/// the other way in the body frame.
+Shape with_centre_offset(const Shape& shape, const Vec3& offset);
+
+/// The moments of a body times a factor about each own axis of its shape: each goes to the nearest principal axis.
+Vec3 scaled_inertia(const Shape& shape, const Vec3& moments, const Vec3& factor);
+
 /// A body that moves freely. Mass, inertia, volume and radius follow from the shape at `density` [kg/m^3] > 0.
 /// Throws Error for a shape without finite mass.
 Body dynamic_body(const Shape& shape, int shape_index, double scale, double density, int material);

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "core/scene.hpp"
+#include "core/setup_effects.hpp"
 
 namespace repose {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double standard_gravity = 9.81;    // [m/s^2]
 constexpr double air_density = 1.2;          // [kg/m^3]
-constexpr double room_temperature = 293.15;  // [K], where thermal softening does nothing
 
 struct Range {
   double lower, nominal, upper;
@@ -166,7 +166,7 @@ std::vector<EffectRow> at_contacts() {
                   natural(logarithmic(parameter("damping", dimension::damping, {1e-3, 0, 1e4})))}),
       in_effects("thermal_softening", contact, "Cohesion grows with temperature.",
                  "what cohesion shows, hotter or colder",
-                 {parameter("temperature", dimension::temperature, {200, room_temperature, 600}),
+                 {parameter("temperature", dimension::temperature, {200, softening_reference, 600}),
                   held(parameter("scale", dimension::temperature, {1, 50, 1000}))}),
   };
 }
@@ -181,7 +181,7 @@ std::vector<EffectRow> of_the_setup() {
       in_effects("grain_shape", setup, "Grains are longer or shorter than supposed.", "angle of repose, packing, flow",
                  {factor("aspect", 0.5, 2)}),
       in_effects("size_distribution", setup, "Grains are larger, smaller or more varied than supposed.",
-                 "discharge, packing, roughness", {factor("mean_factor", 0.5, 2), factor("sd_factor", 0.2, 3)}),
+                 "discharge, packing, roughness", {factor("mean_factor", 0.5, 2), factor("sd_factor", 0.2, 2)}),
       in_effects("inertia", setup, "Bodies are harder or easier to turn than their shape says.",
                  "rolling, spin gained in impacts", {factor("factor", 0.2, 5)}),
       in_effects("center_of_mass_offset", setup, "The centre of mass is not that of the shape.",
@@ -210,15 +210,6 @@ std::vector<EffectRow> of_the_numerics() {
   return {of_numerics("time_step", "The step of the simulation is too long.", "solver.time_step"),
           of_numerics("solver_tolerance", "The solver stops too early.", "solver.tolerance"),
           of_numerics("engine_law", "The engine solves another contact law.", "solver.law")};
-}
-
-bool only_of_walls(const std::string& material, const Scene& scene) {
-  bool wall = false, free = false;
-  for (const Tool& tool : scene.tools) wall = wall || tool.material == material;
-  for (const SceneBody& body : scene.bodies)
-    if (body.material == material) (body.fixed || body.motion ? wall : free) = true;
-  for (const GrainPopulation& grains : scene.grains) free = free || grains.material == material;
-  return wall && !free;
 }
 
 }  // namespace
@@ -270,7 +261,7 @@ std::vector<std::string> places_of(const EffectRow& row, const Scene& scene) {
   std::vector<std::string> places;
   if (row.keys.empty() || row.keys.front().find('*') == std::string::npos) return places;
   for (const auto& [names, law] : scene.pairs) {
-    const bool holds_wall = only_of_walls(names.first, scene) || only_of_walls(names.second, scene);
+    const bool holds_wall = is_wall_material(scene, names.first) || is_wall_material(scene, names.second);
     if (row.name != "wall_friction" || holds_wall) places.push_back(names.first + "-" + names.second);
   }
   return places;

@@ -46,6 +46,7 @@ class Realiser {
   void add(const GrainSet& set);
   void set_gate_tolerances(double mean_grain_size);
   void set_laws();
+  void change_inertia(const Shape& shape, Body& body, const std::string& place) const;
 
   int material(const std::string& name, const std::string& place) const {
     const auto found = material_index_.find(name);
@@ -84,6 +85,14 @@ void check_inertia(const Vec3& moments, const std::string& place) {
                 "give three positive moments, none larger than the sum of the other two");
 }
 
+void Realiser::change_inertia(const Shape& shape, Body& body, const std::string& place) const {
+  const Vec3& factor = scene_.inertia_factor;
+  if (factor == Vec3::Ones()) return;
+  body.inertia = scaled_inertia(shape, body.inertia, factor);
+  // Equal factors keep the proportions, and a factor of all is the user's own claim.
+  if (factor.x() != factor.y() || factor.y() != factor.z()) check_inertia(body.inertia, "effects.inertia for " + place);
+}
+
 void Realiser::add(const SceneBody& body) {
   const std::string place = "bodies." + body.name;
   const auto entry = scene_.shapes.find(body.shape);
@@ -92,9 +101,13 @@ void Realiser::add(const SceneBody& body) {
   Shape shape = entry->second;
   const bool dynamic = !body.fixed && !body.motion;
   int index = 0;
+  const bool off_centre = dynamic && !scene_.center_of_mass_offset.isZero(0);
   if (dynamic && body.inertia) {
     check_inertia(*body.inertia, place);
     shape = aligned_with_own_frame(shape);
+  }
+  if (off_centre) shape = with_centre_offset(shape, scene_.center_of_mass_offset);
+  if (off_centre || (dynamic && body.inertia)) {
     index = add_shape(shape);
   } else {
     const auto [known, is_new] = shape_index_.try_emplace(body.shape, static_cast<int>(model_.shapes.size()));
@@ -122,6 +135,7 @@ void Realiser::add(const SceneBody& body) {
     free.mass = *body.mass;
   }
   if (body.inertia) free.inertia = *body.inertia;
+  change_inertia(shape, free, place);
   free.name = add_name(body.name);
   add_body(free, pose, body_twist(shape, 1, own, {body.velocity, body.angular_velocity}));
 }
@@ -154,8 +168,14 @@ void Realiser::add(const GrainSet& set) {
     body.radius = 0.5 * grain.size;
     body.role = BodyRole::grain;
     body.name = names[population];
-    add_body(body, {grain.placement.position, grain.placement.orientation},
-             {scene_.grains[population].velocity, Vec3::Zero()});
+    change_inertia(shape, body, "grains." + scene_.grains[population].name);
+    Vec3 centre = grain.placement.position;
+    if (!scene_.center_of_mass_offset.isZero(0)) {
+      const Vec3 offset = scene_.center_of_mass_offset / grain.size;
+      body.shape = add_shape(with_centre_offset(shape, offset));
+      centre += grain.placement.orientation * (shape.own_frame.orientation * scene_.center_of_mass_offset);
+    }
+    add_body(body, {centre, grain.placement.orientation}, {scene_.grains[population].velocity, Vec3::Zero()});
   }
 }
 

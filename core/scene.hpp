@@ -57,6 +57,8 @@ struct Scene {
   Vec3 gravity{0, 0, -9.81};
   std::vector<Effect> effects;
   std::vector<ContactEffect> contact_effects;
+  Vec3 inertia_factor = Vec3::Ones();          ///< InertiaFactor (setup_effects.hpp)
+  Vec3 center_of_mass_offset = Vec3::Zero();  ///< CenterOfMassOffset [m]
   SolverOptions solver;
   double duration = 0;                    ///< [s], > 0
   double frame_interval = 0;              ///< between recorded frames [s], > 0

@@ -42,6 +42,11 @@ void read_layer(const YamlReader& block, Scene& scene);
 /// effects: {linear_drag: {viscosity: 1.8e-5}}
 void read_effects(const YamlReader& block, Scene& scene);
 
+/// One entry of `effects` that changes the set-up (setup_effects.hpp): applied at once, since all other blocks are read
+/// before. False: no such effect.
+bool read_setup_effect(const std::string& name, const YamlReader& reader, Scene& scene);
+std::vector<std::string> setup_effect_names();
+
 /// solver: {time_step, tolerance, max_iterations, method, law, warm_start, search_margin}
 void read_solver(const YamlReader& block, Scene& scene);
 

@@ -154,14 +154,6 @@ const std::vector<Unavailable>& unavailable() {
       {"spinning_friction", pair},
       {"restitution", pair},
       {"cohesion", pair},
-      {"wall_friction", "write it as `friction` of the pair that holds the wall's material"},
-      {"thermal_softening", remove},
-      {"base_vibration", "write `motion: {vibration_amplitude, vibration_frequency}` under the tool"},
-      {"moving_wall_speed", "change the `motion` of the tool"},
-      {"grain_shape", "write `aspect` under the population in `grains`"},
-      {"size_distribution", "change `size` under the population in `grains`"},
-      {"inertia", "write `inertia` under the body in `bodies`"},
-      {"center_of_mass_offset", remove},
       {"length_scale", remove},
       {"time_scale", remove},
       {"time_offset", remove},
@@ -184,6 +176,8 @@ void read_effect(const std::string& name, const YamlReader& reader, Scene& scene
     if (kind.name == name) return scene.contact_effects.push_back(kind.read(reader));
     names.push_back(kind.name);
   }
+  if (read_setup_effect(name, reader, scene)) return;
+  for (const std::string& setup : setup_effect_names()) names.push_back(setup);
   for (const Unavailable& other : unavailable())
     if (other.name == name)
       reader.fail(fmt::format("effect `{}` is known, but not available under `effects` in this version", name),

@@ -47,6 +47,19 @@ edit compliance_in_pascal bodies.yaml "{quadratic_drag:" "{contact_compliance: {
   "{contact_compliance: {stiffness: 1 MN/m, damping: 3 N s/m}, quadratic_drag:" "contact_compliance.stiffness" "N/m"
 edit misspelt_contact_effect bodies.yaml "{quadratic_drag:" "{liquid_brigde: {force: 1}, quadratic_drag:" "" \
   "effects" 'did you mean `liquid_bridge`?'
+edit vibration_of_nothing bodies.yaml "effects: {quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}" \
+  "effects: {moving_wall_speed: {factor: 2}}" "effects: {base_vibration: {amplitude: 1 um, frequency: 50 Hz}}" \
+  "effects.moving_wall_speed" "motion"
+edit inertia_of_two_factors bodies.yaml "{quadratic_drag:" "{inertia: {factor: [1, 2]}, quadratic_drag:" \
+  "{inertia: {factor: 1.2}, quadratic_drag:" "inertia.factor" "[x, y, z]"
+edit offset_as_a_number bodies.yaml "{quadratic_drag:" "{center_of_mass_offset: {offset: 0.01}, quadratic_drag:" \
+  "{center_of_mass_offset: {offset: [0, 0, 1 mm]}, quadratic_drag:" "center_of_mass_offset.offset" "[x, y, z]"
+edit softening_of_nothing bodies.yaml "{quadratic_drag:" "{thermal_softening: {temperature: 350, scale: 20}, quadratic_drag:" \
+  "{wall_friction: {friction: 0.3}, quadratic_drag:" "effects.thermal_softening" "cohesion"
+edit sizes_below_zero heap.yaml "gravity:" $'effects: {size_distribution: {sd_factor: 2.5}}\ngravity:' \
+  $'effects: {size_distribution: {mean_factor: 1.1, sd_factor: 0.5}, grain_shape: {aspect: 1.1}}\ngravity:' "effects.size_distribution" "smaller"
+edit shape_apart heap.yaml "gravity:" $'effects: {grain_shape: {aspect: 9}}\ngravity:' \
+  $'effects: {grain_shape: {aspect: 0.9}}\ngravity:' "effects.grain_shape" "twin"
 edit effect_that_is_a_pair_law bodies.yaml "{quadratic_drag:" "{restitution: 0.5, quadratic_drag:" "" "effects.restitution" "pairs"
 edit pair_in_wrong_order heap.yaml "pa12-steel:" "steel-pa12:" "" "pairs.steel-pa12" 'write `pa12-steel`'
 edit pair_of_nobody heap.yaml "pa12-steel:" "pa12-brass:" "" "pairs.pa12-brass" "known:"
