@@ -101,6 +101,7 @@ Model froude_scaled(const Model& model, double length) {
   for (Shape& shape : result.shapes) scale(shape, f);
   for (Body& body : result.bodies) scale(body, f);
   for (Effect& effect : result.effects) std::visit(ScaleEffect{f}, effect);
+  result.periodic = {f.length * model.periodic.lower, f.length * model.periodic.upper};
   scale(result.initial, f);
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/model.hpp"
+#include "core/periodic_body.hpp"
 
 namespace repose {
 namespace {
@@ -180,6 +181,7 @@ void validate(const Model& model) {
   const auto gravity = [] { return std::string("gravity"); };
   require(model.gravity.allFinite(), gravity, "gravity is not finite", "give three numbers in m/s^2");
   for (const Effect& effect : model.effects) std::visit(CheckEffect{}, effect);
+  check_periodic(model);
 }
 
 }  // namespace repose

@@ -53,6 +53,7 @@ struct Scene {
   std::vector<Tool> tools;                ///< sorted by name
   GrainProportions proportions;
   Vec3 gravity{0, 0, -9.81};
+  PeriodicCell periodic;                  ///< along x, y or both; see periodic_body.hpp
   std::vector<Effect> effects;
   SolverOptions solver;
   double duration = 0;                    ///< [s], > 0

@@ -38,6 +38,9 @@ void read_tools(const YamlReader& block, Scene& scene);
 /// effects: {linear_drag: {viscosity: 1.8e-5}}
 void read_effects(const YamlReader& block, Scene& scene);
 
+/// periodic: {y: [lower, upper]}, x, y or both.
+void read_periodic(const YamlReader& block, Scene& scene);
+
 /// solver: {time_step, tolerance, max_iterations, method, law, warm_start, search_margin}
 void read_solver(const YamlReader& block, Scene& scene);
 

@@ -268,7 +268,10 @@ class WorldBullet final : public World {
 
 }  // namespace
 
-std::vector<std::string> unsupported(const Model&) { return {}; }
+std::vector<std::string> unsupported(const Model& model) {
+  if (model.periodic.any()) return {"periodic"};
+  return {};
+}
 
 std::unique_ptr<World> make_world(const Model& model, const SolverOptions& options) {
   validate(model);
