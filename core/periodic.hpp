@@ -39,8 +39,8 @@ struct PeriodicCell {
     return place;
   }
 
-  /// Calls visit(image) for `place`, which lies in the cell, and for each of its images closer than `reach` [m] (below
-  /// half a period) to the cell. It may return false to stop; the result is whether all calls returned true.
+  /// Calls visit(image) for `place`, which lies in the cell, and for each of its images in the neighbouring cells that is
+  /// closer than `reach` [m] to the cell. It may return false to stop; the result is whether all calls returned true.
   template <class Visit>
   bool each_image(const Vec3& place, double reach, Visit&& visit) const {
     const auto steps = [&](int k, int (&list)[3]) {
