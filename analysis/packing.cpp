@@ -26,14 +26,18 @@ Vec3 spread_point(int n) {
 class GrainField {
  public:
   GrainField(const Model& model, const Snapshot& state, const std::vector<int>& bodies)
-      : model_(model), state_(state), bodies_(bodies), grid_(centres(state, bodies), largest(model, bodies)) {}
+      : model_(model),
+        state_(state),
+        images_(images(model, state, bodies)),
+        grid_(places(images_), largest(model, bodies)) {}
 
-  bool solid_at(const Vec3& point) const {
+  bool solid_at(const Vec3& anywhere) const {
+    const Vec3 point = model_.periodic.wrapped(anywhere);
     bool inside = false;
     grid_.near(point, [&](int k) {
-      const std::size_t i = static_cast<std::size_t>(bodies_[static_cast<std::size_t>(k)]);
-      const Body& body = model_.bodies[i];
-      const Vec3 local = state_.orientation[i].conjugate() * (point - state_.position[i]) / body.scale;
+      const Image& image = images_[static_cast<std::size_t>(k)];
+      const Body& body = model_.bodies[image.body];
+      const Vec3 local = state_.orientation[image.body].conjugate() * (point - image.place) / body.scale;
       const Shape& shape = model_.shapes[static_cast<std::size_t>(body.shape)];
       inside = local.norm() <= shape.bounding_radius && contains(shape, local);
       return !inside;
@@ -42,9 +46,24 @@ class GrainField {
   }
 
  private:
-  static std::vector<Vec3> centres(const Snapshot& state, const std::vector<int>& bodies) {
+  /// A body, or in a periodic cell one of its images that reach into the cell.
+  struct Image {
+    std::size_t body;
+    Vec3 place;
+  };
+  static std::vector<Image> images(const Model& model, const Snapshot& state, const std::vector<int>& bodies) {
+    const double reach = largest(model, bodies);
+    std::vector<Image> result;
+    for (int b : bodies)
+      model.periodic.each_image(state.position[static_cast<std::size_t>(b)], reach, [&](const Vec3& place) {
+        result.push_back({static_cast<std::size_t>(b), place});
+        return true;
+      });
+    return result;
+  }
+  static std::vector<Vec3> places(const std::vector<Image>& images) {
     std::vector<Vec3> result;
-    for (int b : bodies) result.push_back(state.position[static_cast<std::size_t>(b)]);
+    for (const Image& image : images) result.push_back(image.place);
     return result;
   }
   static double largest(const Model& model, const std::vector<int>& bodies) {
@@ -58,7 +77,7 @@ class GrainField {
 
   const Model& model_;
   const Snapshot& state_;
-  const std::vector<int>& bodies_;
+  std::vector<Image> images_;
   NeighbourGrid grid_;
 };
 

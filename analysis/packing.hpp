@@ -4,7 +4,8 @@
 /// Points of a low-discrepancy sequence (Kronecker sequence of the root of x^4 = x + 1) are spread over the region, and
 /// each is tested against the exact shapes: overlaps and shapes of any kind are counted right, once. With n points the error
 /// of the sampling is below sqrt(phi (1 - phi) / n), 0.0035 for 20,000; that of the heap itself is larger and estimated
-/// from eight sectors.
+/// from eight sectors. In a periodic cell grains are counted with their images, and a region may reach across the seam or
+/// be wider than the cell (its mean is then that of the images that it covers).
 #include <optional>
 #include <vector>
 

@@ -20,10 +20,18 @@ constexpr int tries_before_giving_up = 20'000;  // for one ball
 constexpr std::size_t mean_tries = 200;         // for all of them; 15 are usual at the fraction aimed at
 constexpr double growth = 1.05;
 
+/// True if a box goes from one side of the periodic cell to the other.
+bool spans(const FillRegion& region, const PeriodicCell& cell, int axis) {
+  const double rounding = 1e-9 * cell.length(axis);
+  return region.kind == FillRegion::Kind::box && std::abs(region.lower[axis] - cell.lower[axis]) <= rounding &&
+         std::abs(region.upper[axis] - cell.upper[axis]) <= rounding;
+}
+
 /// The region at its present height.
 class Room {
  public:
-  explicit Room(const FillRegion& region) : region_(region) {
+  Room(const FillRegion& region, const PeriodicCell& cell) : region_(region) {
+    for (int k = 0; k < 2; ++k) open_[k] = cell.along(k) && spans(region, cell, k);
     if (box()) {
       height_ = region.upper.z() - region.lower.z();
     } else {
@@ -60,7 +68,10 @@ class Room {
   /// way.
   bool propose(double r, Random& random, Vec3& centre) const {
     if (box()) {
-      for (int i = 0; i < 2; ++i) centre[i] = random.uniform(region_.lower[i] + r, region_.upper[i] - r);
+      for (int i = 0; i < 2; ++i) {
+        const double wall = open_[i] ? 0 : r;
+        centre[i] = random.uniform(region_.lower[i] + wall, region_.upper[i] - wall);
+      }
       centre.z() = region_.lower.z() + random.uniform(r, height_ - r);
       return true;
     }
@@ -92,8 +103,25 @@ class Room {
   }
 
   FillRegion region_;
+  bool open_[2] = {false, false};  ///< no walls across x, y: the region goes on in the next cell
   double height_ = 0, slope_ = 0, slant_ = 1;
 };
+
+void keep_within(const PeriodicCell& cell, const FillRegion& region) {
+  for (int k = 0; k < 2; ++k) {
+    if (!cell.along(k) || spans(region, cell, k)) continue;
+    const bool box = region.kind == FillRegion::Kind::box;
+    const double radius = std::max(region.radius_bottom, region.radius_top);
+    const double low = box ? region.lower[k] : region.base[k] - radius;
+    const double high = box ? region.upper[k] : region.base[k] + radius;
+    if (low >= cell.lower[k] && high <= cell.upper[k]) continue;
+    throw Error("fill",
+                fmt::format("the region reaches from {0} = {1:.4g} to {2:.4g} m, out of the periodic cell from {3:.4g} to "
+                            "{4:.4g} m",
+                            k == 0 ? "x" : "y", low, high, cell.lower[k], cell.upper[k]),
+                "keep it within the cell; a box from one side of the cell to the other is filled across the seam");
+  }
+}
 
 void validate(const FillRegion& region, std::span<const double> radii) {
   if (region.kind == FillRegion::Kind::box) {
@@ -136,8 +164,10 @@ void validate(const FillRegion& region, std::span<const double> radii) {
 
 }  // namespace
 
-std::vector<Placement> place_balls(const FillRegion& region, std::span<const double> radii, std::uint64_t seed) {
+std::vector<Placement> place_balls(const FillRegion& region, std::span<const double> radii, std::uint64_t seed,
+                                   const PeriodicCell& cell) {
   validate(region, radii);
+  keep_within(cell, region);
   std::vector<Placement> result(radii.size());
   if (radii.empty()) return result;
 
@@ -146,7 +176,7 @@ std::vector<Placement> place_balls(const FillRegion& region, std::span<const dou
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return radii[a] > radii[b]; });
   const double largest = radii[order[0]];
 
-  Room room(region);
+  Room room(region, cell);
   if (room.widest(region.grow) < largest)
     throw Error("fill",
                 fmt::format("a grain of {:.3g} m across does not fit into the region, which can hold {:.3g} m",
@@ -167,13 +197,14 @@ std::vector<Placement> place_balls(const FillRegion& region, std::span<const dou
   for (std::size_t k = 0; k < order.size(); ++k) {
     const double r = radii[order[k]];
     Vec3 centre;
+    const auto free = [&](const Vec3& image) { return grid.free(image - corner, r); };
     for (int tries = 1;; ++tries) {
-      if (room.propose(r, places, centre) && grid.free(centre - corner, r)) break;
+      if (room.propose(r, places, centre) && cell.each_image(centre, r + largest, free)) break;
       if (region.grow && tries % tries_before_growth == 0) room.set_height(growth * room.height() + r);
       if (!region.grow && (tries >= tries_before_giving_up || --tries_left == 0)) no_room(k, order.size(), balls, room);
     }
     grid.add(centre - corner, r);
-    result[order[k]].position = centre;
+    result[order[k]].position = cell.wrapped(centre);
   }
   for (Placement& placement : result) placement.orientation = turns.rotation();
   return result;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/math.hpp"
+#include "core/periodic.hpp"
 
 namespace repose {
 
@@ -28,6 +29,10 @@ struct Placement {
 /// sequential addition from the largest to the smallest, over a cell grid: linear in the number of grains. Orientations are
 /// uniform over all rotations. The order of the result is that of `radii`. Throws Error if they do not fit; the message
 /// states how much room is missing.
-std::vector<Placement> place_balls(const FillRegion& region, std::span<const double> radii, std::uint64_t seed);
+///
+/// In a periodic cell the region must lie within it. A box that spans the cell from side to side along a periodic axis has
+/// no walls there: balls lie across the seam, their centres in the cell, none overlapping an image of another.
+std::vector<Placement> place_balls(const FillRegion& region, std::span<const double> radii, std::uint64_t seed,
+                                   const PeriodicCell& cell = {});
 
 }  // namespace repose

@@ -151,7 +151,7 @@ void place_group(const Scene& scene, int group, const std::vector<int>& group_of
   if (members.empty()) return;
   const GrainPopulation& first = scene.grains[static_cast<std::size_t>(group)];
   const std::vector<Placement> placements = within("grains." + first.name, [&] {
-    return place_balls(first.fill, radii, derived_seed(seed, "place " + first.name));
+    return place_balls(first.fill, radii, derived_seed(seed, "place " + first.name), scene.periodic);
   });
   for (std::size_t k = 0; k < members.size(); ++k) set.grains[members[k]].placement = placements[k];
 }
@@ -169,14 +169,16 @@ void refuse_overlap_between_groups(const Scene& scene, const std::vector<int>& g
   for (const PlacedGrain& grain : set.grains) {
     const auto population = static_cast<std::size_t>(grain.population);
     const int own = group_of[population];
-    const Vec3 centre = grain.placement.position - corner;
+    const Vec3& centre = grain.placement.position;
     const double radius = ball_radius(set, grain);
     for (const auto& [group, grid] : grids)
-      if (group != own && !grid.free(centre, radius))
+      if (group != own && !scene.periodic.each_image(centre, radius + largest, [&, &balls = grid](const Vec3& image) {
+            return balls.free(image - corner, radius);
+          }))
         throw Error("grains." + scene.grains[population].name + ".fill",
                     "its grains overlap those of grains." + scene.grains[static_cast<std::size_t>(group)].name,
                     "move the regions apart, or give both the same fill to mix them");
-    grids.try_emplace(own, largest, set.grains.size()).first->second.add(centre, radius);
+    grids.try_emplace(own, largest, set.grains.size()).first->second.add(centre - corner, radius);
   }
 }
 

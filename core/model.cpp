@@ -119,6 +119,7 @@ Model froude_scaled(const Model& model, double length) {
   for (Body& body : result.bodies) scale(body, f);
   for (Effect& effect : result.effects) std::visit(ScaleEffect{f}, effect);
   for (ContactEffect& effect : result.contact_effects) std::visit(ScaleContactEffect{f}, effect);
+  result.periodic = {f.length * model.periodic.lower, f.length * model.periodic.upper};
   scale(result.initial, f);
   return result;
 }

@@ -9,6 +9,7 @@
 #include "core/material.hpp"
 #include "core/math.hpp"
 #include "core/motion.hpp"
+#include "core/periodic.hpp"
 #include "core/shape.hpp"
 
 namespace repose {
@@ -67,6 +68,9 @@ struct Model {
   Vec3 gravity{0, 0, -9.81};   ///< [m/s^2], before any tilt
   std::vector<Effect> effects;
   std::vector<ContactEffect> contact_effects;  ///< of all contacts; at most one of each kind
+  /// Rules: periodic_body.hpp. States hold the positions of moving bodies wrapped into it (lower <= x < upper of the centre
+  /// of mass, a solid may stick out), those of fixed and prescribed bodies as they were prescribed.
+  PeriodicCell periodic;
   Snapshot initial;
 
   const PairLaw& law(int material_a, int material_b) const {
@@ -78,7 +82,7 @@ struct Model {
 };
 
 /// Throws Error if the model breaks a rule of this header (sizes of arrays, positive masses, finite numbers, unit
-/// quaternions, indices in range): the check every backend makes before it accepts a model.
+/// quaternions, indices in range) or of periodic_body.hpp: the check every backend makes before it accepts a model.
 void validate(const Model& model);
 
 /// The Froude-similar model: lengths times `length`, times times `time`, gravity kept when length = time^2; densities kept.

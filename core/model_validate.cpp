@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/model.hpp"
+#include "core/periodic_body.hpp"
 
 namespace repose {
 namespace {
@@ -225,6 +226,7 @@ void validate(const Model& model) {
   require(model.gravity.allFinite(), gravity, "gravity is not finite", "give three numbers in m/s^2");
   for (const Effect& effect : model.effects) std::visit(CheckEffect{}, effect);
   for (const ContactEffect& effect : model.contact_effects) std::visit(CheckContactEffect{}, effect);
+  check_periodic(model);
 }
 
 }  // namespace repose

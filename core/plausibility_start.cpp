@@ -35,6 +35,15 @@ bool holds(const Model& model, std::size_t body, const Vec3& point) {
   return contains(shape_of(model, body), pose_of(model, body).to_local(point));
 }
 
+/// In a periodic cell also through an image in the next cell.
+bool cut_into_images(const Model& model, std::size_t moving, std::size_t other, double depth) {
+  const Pose pose = pose_of(model, moving), fixed = pose_of(model, other);
+  constexpr double all = std::numeric_limits<double>::infinity();
+  return !model.periodic.each_image(pose.position, all, [&](const Vec3& image) {
+    return !cut_into(shape_of(model, moving), {image, pose.orientation}, shape_of(model, other), fixed, depth);
+  });
+}
+
 // Grains whose centre lies in the solid of a tool or of an explicit body.
 void check_buried_grains(const Model& model, Findings& findings) {
   for (std::size_t solid = 0; solid < model.bodies.size(); ++solid) {
@@ -43,9 +52,12 @@ void check_buried_grains(const Model& model, Findings& findings) {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
       if (model.bodies[i].role != BodyRole::grain) continue;
       const Vec3& centre = model.initial.position[i];
-      if (shape_of(model, solid).bounded() && (centre - model.initial.position[solid]).norm() > reach_of(model, solid))
-        continue;
-      if (!holds(model, solid, centre)) continue;
+      const double reach = reach_of(model, solid);
+      const bool free = model.periodic.each_image(centre, reach, [&](const Vec3& image) {
+        const bool far = shape_of(model, solid).bounded() && (image - model.initial.position[solid]).norm() > reach;
+        return far || !holds(model, solid, image);
+      });
+      if (free) continue;
       ++buried;
       grain_name = i;
     }
@@ -95,8 +107,8 @@ void check_overlapping_bodies(const Model& model, Findings& findings) {
       const std::size_t a = list[i], b = list[j];
       if (!model.bodies[a].dynamic && !model.bodies[b].dynamic) continue;
       const double size = std::min(reach_of(model, a), reach_of(model, b));
-      if (!cut_into(shape_of(model, a), pose_of(model, a), shape_of(model, b), pose_of(model, b), allowed_depth * size))
-        continue;
+      const bool a_moves = model.bodies[a].dynamic;
+      if (!cut_into_images(model, a_moves ? a : b, a_moves ? b : a, allowed_depth * size)) continue;
       findings.warn("bodies." + name_of(model, a) + ".position",
                     fmt::format("`{}` starts inside `{}`", name_of(model, a), name_of(model, b)),
                     "move one of them: the solver will push them apart");

@@ -27,6 +27,7 @@ class Realiser {
     model_.gravity = scene.gravity;
     model_.effects = scene.effects;
     model_.contact_effects = scene.contact_effects;
+    model_.periodic = scene.periodic;
   }
 
   Model make(std::uint64_t seed) {
@@ -65,7 +66,7 @@ class Realiser {
   }
   void add_body(const Body& body, const Pose& pose, const Twist& twist) {
     model_.bodies.push_back(body);
-    model_.initial.position.push_back(pose.position);
+    model_.initial.position.push_back(body.dynamic ? scene_.periodic.wrapped(pose.position) : pose.position);
     model_.initial.orientation.push_back(pose.orientation);
     model_.initial.velocity.push_back(twist.linear);
     model_.initial.angular_velocity.push_back(twist.angular);

@@ -152,7 +152,7 @@ void Recorder::finish() {
   write_steps(file, "/steps", impl_->steps);
   file.write("/frame_times", impl_->frame_times);
   for (std::size_t i = 0; i < impl_->frame_times.size(); ++i) file.link(link_name(i), "frames/" + frame_file_name(i));
-  write_durably(impl_->folder / "run.xmf", xdmf_text(impl_->model.bodies.size(), impl_->frame_times));
+  write_durably(impl_->folder / "run.xmf", xdmf_text(impl_->model.bodies.size(), impl_->frame_times, impl_->model.periodic));
   write_durably(impl_->folder / "run.h5", file.bytes());
 }
 

@@ -64,6 +64,7 @@ template <class Io> void fields(Io& io, Shape& x) {
   io("own_frame", x.own_frame);
   io("bounding_radius", x.bounding_radius);
 }
+template <class Io> void fields(Io& io, PeriodicCell& x) { io("lower", x.lower); io("upper", x.upper); }
 template <class Io> void fields(Io& io, GravityTilt& x) { io("x_deg", x.x_deg); io("y_deg", x.y_deg); }
 template <class Io> void fields(Io& io, UniformForce& x) { io("force", x.force); }
 template <class Io> void fields(Io& io, LinearDrag& x) { io("viscosity", x.viscosity); }
@@ -261,12 +262,17 @@ std::string describe_model(const Model& model) {
     if (!(body.motion == Motion{}) || !body.active.empty())
       d.bodies.push_back({static_cast<int>(i), body.motion, body.active});
   }
-  return ToJson::convert(d).dump();
+  Json json = ToJson::convert(d);
+  if (model.periodic.any()) json["periodic"] = ToJson::convert(model.periodic);
+  return json.dump();
 }
 
 void parse_model_description(const std::string& json, std::size_t body_count, Model& model) {
   Description d;
-  FromJson::convert(Json::parse(json), d);
+  const Json text = Json::parse(json);
+  FromJson::convert(text, d);
+  model.periodic = {};
+  if (text.contains("periodic")) FromJson::convert(text.at("periodic"), model.periodic);
   model.materials = std::move(d.materials);
   model.laws = std::move(d.laws);
   model.shapes = std::move(d.shapes);

@@ -2,7 +2,7 @@
 /// A Model inside an HDF5 file: exactly what was written comes back.
 ///
 /// Under `group`: one dataset per field of a body and of the initial state (names as in model.hpp), and `description`, a
-/// JSON text with the rest: materials, laws, shapes, names, gravity, effects, and the motions and times of the bodies that
+/// JSON text with the rest: materials, laws, shapes, names, gravity, the periodic cell if there is one, effects, and the motions and times of the bodies that
 /// have any. Numbers keep every bit; an infinite one is written "inf" or "-inf" in the JSON.
 #include <cstdint>
 #include <string>

@@ -49,11 +49,16 @@ std::string frame_grid(std::size_t bodies, std::size_t index, double time) {
 
 }  // namespace
 
-std::string xdmf_text(std::size_t bodies, const std::vector<double>& frame_times) {
+std::string xdmf_text(std::size_t bodies, const std::vector<double>& frame_times, const PeriodicCell& periodic) {
   std::string text =
       "<?xml version=\"1.0\" ?>\n"
       "<Xdmf Version=\"2.0\">\n"
-      "  <Domain>\n"
+      "  <Domain>\n";
+  for (int axis = 0; axis < 3; ++axis)
+    if (periodic.along(axis))
+      text += fmt::format("    <Information Name=\"periodic_{}\" Value=\"{:.17g} {:.17g}\"/>\n", "xyz"[axis],
+                          periodic.lower[axis], periodic.upper[axis]);
+  text +=
       "    <Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (std::size_t i = 0; i < frame_times.size(); ++i) text += frame_grid(bodies, i, frame_times[i]);
   return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";

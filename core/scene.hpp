@@ -55,6 +55,7 @@ struct Scene {
   std::optional<LayerSetup> layer;        ///< what `repose layer` does with it
   GrainProportions proportions;
   Vec3 gravity{0, 0, -9.81};
+  PeriodicCell periodic;                  ///< along x, y or both; see periodic_body.hpp
   std::vector<Effect> effects;
   std::vector<ContactEffect> contact_effects;
   Vec3 inertia_factor = Vec3::Ones();          ///< InertiaFactor (setup_effects.hpp)

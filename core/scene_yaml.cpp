@@ -87,7 +87,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   inline_proportions(tree, name, folder);
 
   const YamlReader root(tree, name);
-  root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "effects",
+  root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "periodic", "effects",
              "layer", "solver", "duration", "frame_interval", "record"});
   Scene scene;
   read_materials(root.at("materials"), scene);
@@ -99,6 +99,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   if (root.has("tools")) read_tools(root.at("tools"), scene);
   if (root.has("layer")) read_layer(root.at("layer"), scene);
   root.read("gravity", scene.gravity, any(dimension::acceleration));
+  if (root.has("periodic")) read_periodic(root.at("periodic"), scene);
   if (root.has("effects")) read_effects(root.at("effects"), scene);
   if (root.has("solver")) read_solver(root.at("solver"), scene);
   root.require("duration", scene.duration, positive(dimension::time));

@@ -46,6 +46,8 @@ void read_effects(const YamlReader& block, Scene& scene);
 /// before. False: no such effect.
 bool read_setup_effect(const std::string& name, const YamlReader& reader, Scene& scene);
 std::vector<std::string> setup_effect_names();
+/// periodic: {y: [lower, upper]}, x, y or both.
+void read_periodic(const YamlReader& block, Scene& scene);
 
 /// solver: {time_step, tolerance, max_iterations, method, law, warm_start, search_margin}
 void read_solver(const YamlReader& block, Scene& scene);

@@ -24,7 +24,7 @@ struct StepReport {
 /// One contact point with the force that acted during the last step.
 struct Contact {
   int a = -1, b = -1;                  ///< bodies, a < b
-  Vec3 point = Vec3::Zero();           ///< [m], world
+  Vec3 point = Vec3::Zero();           ///< [m], world; in a periodic cell beside a, where b's nearest image touches it
   Vec3 normal = Vec3::UnitZ();         ///< unit, from a to b, world
   double gap = 0;                      ///< [m], > 0 apart
   Vec3 force = Vec3::Zero();           ///< on b [N], world (impulse / step)

@@ -48,6 +48,10 @@ void print_scene(const Scene& scene) {
   for (const Tool& tool : scene.tools)
     print_row("tool", fmt::format("{}: {} of {} at ({:.4g}, {:.4g}, {:.4g}) m", tool.name, kind_of(tool), tool.material,
                                   tool.position.x(), tool.position.y(), tool.position.z()));
+  for (int axis = 0; axis < 2; ++axis)
+    if (scene.periodic.along(axis))
+      print_row("periodic", fmt::format("{} from {:.4g} to {:.4g} m", axis == 0 ? "x" : "y", scene.periodic.lower[axis],
+                                        scene.periodic.upper[axis]));
   for (const Effect& effect : scene.effects) print_row("effect", effect_name(effect));
   const char* methods[] = {"Gauss-Seidel", "APGD", "Barzilai-Borwein"};
   print_row("solver", fmt::format("{}, {} law, step {:.4g} s, tolerance {:.4g}, at most {} iterations",

@@ -268,7 +268,11 @@ class WorldBullet final : public World {
 
 }  // namespace
 
-std::vector<std::string> unsupported(const Model& model) { return contact_effect_names(model); }
+std::vector<std::string> unsupported(const Model& model) {
+  std::vector<std::string> names = contact_effect_names(model);
+  if (model.periodic.any()) names.push_back("periodic");
+  return names;
+}
 
 std::unique_ptr<World> make_world(const Model& model, const SolverOptions& options) {
   validate(model);

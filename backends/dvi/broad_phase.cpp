@@ -39,7 +39,15 @@ int BroadPhase::level_of(double reach) const {
   return std::clamp(std::ilogb(reach / smallest_), 0, max_level);
 }
 
-void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> reach) {
+std::int64_t BroadPhase::cell_of(int level, int axis, double x) const {
+  if (!periodic_.along(axis)) return cell(x, inverse_cell_[static_cast<std::size_t>(level)]);
+  const Ring& ring = ring_of(level, axis);
+  return ring.around(ring.step(x));
+}
+
+void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> reach, const PeriodicCell& cell) {
+  periodic_ = cell;
+  ring_.clear();
   centre_ = centre;
   reach_ = reach;
   const std::size_t n = centre.size();
@@ -57,11 +65,23 @@ void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> rea
     most = std::max(most, r);
   }
   for (double most : largest_) inverse_cell_.push_back(most > 0 ? 1 / (2 * most) : 1);
+  if (periodic_.any())
+    for (double inverse : inverse_cell_) {
+      std::array<Ring, 2> rings;
+      for (int k = 0; k < 2; ++k) {
+        if (!periodic_.along(k)) continue;
+        Ring& ring = rings[static_cast<std::size_t>(k)];
+        ring.origin = periodic_.lower[k];
+        ring.cells = std::max<std::int64_t>(1, BroadPhase::cell(periodic_.length(k), inverse));
+        ring.inverse = static_cast<double>(ring.cells) / periodic_.length(k);
+      }
+      ring_.push_back(rings);
+    }
 
   for (std::size_t i = 0; i < n; ++i) {
     const int level = level_of(reach[i]);
-    const double inverse = inverse_cell_[static_cast<std::size_t>(level)];
-    keyed_[i] = {key(level, cell(centre[i].x(), inverse), cell(centre[i].y(), inverse), cell(centre[i].z(), inverse)),
+    keyed_[i] = {key(level, cell_of(level, 0, centre[i].x()), cell_of(level, 1, centre[i].y()),
+                     cell_of(level, 2, centre[i].z())),
                  static_cast<std::int32_t>(i)};
   }
   std::sort(keyed_.begin(), keyed_.end());

@@ -5,6 +5,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "core/periodic_body.hpp"
+
 namespace repose::dvi {
 
 namespace {
@@ -15,8 +17,15 @@ constexpr double handed_on = 0.25;       // of the stir: how much of it a blow w
 
 }  // namespace
 
-ContactFinder::ContactFinder(const Model& model, double unit) : model_(model), unit_(unit) {
+ContactFinder::ContactFinder(const Model& model, double unit)
+    : model_(model), unit_(unit), cell_(model.periodic.in_unit(unit)), periodic_(model.periodic.any()) {
   const std::size_t n = model.bodies.size();
+  if (periodic_) {
+    endless_.assign(n, 0);
+    for (std::size_t i = 0; i < n; ++i)
+      for (int k = 0; k < 2; ++k)
+        if (is_endless(model, i, k)) endless_[i] = static_cast<std::uint8_t>(endless_[i] | 1u << k);
+  }
   first_part_.push_back(0);
   for (std::size_t i = 0; i < n; ++i) {
     const Body& body = model.bodies[i];
@@ -70,9 +79,21 @@ void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
   // Velocities met in each cell of a coarse grid and its 26 neighbours, as a box in velocity space.
   double widest = 0;
   for (std::int32_t i : dynamic_) widest = std::max(widest, bound_[static_cast<std::size_t>(i)]);
-  const double inverse = widest > 0 ? 1 / (4 * widest) : 1;
+  const double wide = widest > 0 ? 1 / (4 * widest) : 1;
+  Vec3 inverse = Vec3::Constant(wide);
+  std::int64_t around[3] = {0, 0, 0};  // cells to a period; 0: not periodic
+  for (int k = 0; k < 3; ++k) {
+    if (!cell_.along(k)) continue;
+    around[k] = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::min(1e6, cell_.length(k) * wide)));
+    inverse[k] = static_cast<double>(around[k]) / cell_.length(k);
+  }
+  const auto wrapped = [&](std::int64_t at, int k) {
+    if (around[k] == 0) return at;
+    const std::int64_t left = at % around[k];
+    return left < 0 ? left + around[k] : left;
+  };
   const auto cell = [&](const Vec3& x, int k) {
-    return static_cast<std::int64_t>(std::floor(std::clamp(x[k] * inverse, -1e6, 1e6)));
+    return wrapped(static_cast<std::int64_t>(std::floor(std::clamp((x[k] - cell_.lower[k]) * inverse[k], -1e6, 1e6))), k);
   };
   const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {
     return (static_cast<std::uint64_t>(x + 1048576) << 42) ^ (static_cast<std::uint64_t>(y + 1048576) << 21) ^
@@ -117,7 +138,7 @@ void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
     for (std::int64_t dz = -1; dz <= 1; ++dz)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          const auto at = index.find(key(c.x + dx, c.y + dy, c.z + dz));
+          const auto at = index.find(key(wrapped(c.x + dx, 0), wrapped(c.y + dy, 1), c.z + dz));
           if (at == index.end()) continue;
           const Cell& near = cells[at->second];
           all.low = all.low.cwiseMin(near.low);
@@ -185,20 +206,33 @@ void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double st
   gather(tool_chunk_, tool_contacts_);
 }
 
+Vec3 ContactFinder::image_shift(std::span<const Vec3> position, std::int32_t a, std::int32_t b) const {
+  if (!periodic_) return Vec3::Zero();
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  Vec3 shift = cell_.to_nearest(position[j] - position[i]);
+  for (int k = 0; k < 2; ++k)
+    if ((endless_[i] | endless_[j]) >> k & 1) shift[k] = 0;
+  return shift;
+}
+
 void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
                                    std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const {
   if (a > b) std::swap(a, b);
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
   const double margin = reach_of_pair(placement, step, a, b);
   const double bodies_reach = bound_[i] + bound_[j] + margin;
-  if (std::isfinite(bodies_reach) &&
-      (placement.position[j] - placement.position[i]).squaredNorm() > bodies_reach * bodies_reach)
-    return;
+  Vec3 place_j = placement.position[j], shift = Vec3::Zero();
+  if (periodic_) {
+    shift = image_shift(placement.position, a, b);
+    place_j += shift;
+  }
+  const bool shifted = periodic_ && !shift.isZero(0);
+  if (std::isfinite(bodies_reach) && (place_j - placement.position[i]).squaredNorm() > bodies_reach * bodies_reach) return;
   const double late = slack(a, b), cohesion = pair_cohesion_range(a, b);
   const std::uint64_t bodies = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
   const auto closes = [&](const ContactPoint& point) {
     if (point.gap <= cohesion) return true;
-    const Vec3 u = placement.velocity[j] + placement.angular_velocity[j].cross(point.point - placement.position[j]) -
+    const Vec3 u = placement.velocity[j] + placement.angular_velocity[j].cross(point.point - place_j) -
                    placement.velocity[i] - placement.angular_velocity[i].cross(point.point - placement.position[i]);
     return point.gap + step * point.normal.dot(u) <= late;
   };
@@ -209,7 +243,13 @@ void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, 
     for (std::int32_t q = first_part_[j]; q < first_part_[j + 1]; ++q) {
       const PlacedPart& x = parts_[static_cast<std::size_t>(p)];
       const PlacedPart& y = parts_[static_cast<std::size_t>(q)];
-      const Vec3 d = y.primitive.position - x.primitive.position;
+      PlacedPrimitive image;
+      if (shifted) {
+        image = y.primitive;
+        image.position += shift;
+      }
+      const PlacedPrimitive& other = shifted ? image : y.primitive;
+      const Vec3 d = other.position - x.primitive.position;
       const double reach = x.bound + y.bound + margin;
       const double squared = d.squaredNorm();
       if (squared > reach * reach) continue;
@@ -222,7 +262,7 @@ void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, 
         point.point = x.primitive.position + (x.radius + 0.5 * point.gap) * point.normal;
         if (point.gap <= margin) scratch.push_back(point);
       } else {
-        collide(x.primitive, y.primitive, margin, scratch);
+        collide(x.primitive, other, margin, scratch);
       }
       const std::uint64_t part_pair =
           static_cast<std::uint64_t>(p - first_part_[i]) << 48 | static_cast<std::uint64_t>(q - first_part_[j]) << 32;
@@ -253,7 +293,7 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
                      search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + base_margin_[body],
                                               widest_cohesion_));
   }
-  broad_.build(centre_, reach_);
+  broad_.build(centre_, reach_, cell_);
   order_.clear();
   for (std::int32_t i : broad_.order()) order_.push_back(dynamic_[static_cast<std::size_t>(i)]);
 

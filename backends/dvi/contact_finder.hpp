@@ -1,6 +1,7 @@
 #pragma once
 /// All contact points of a model in a given state, with names that last from step to step.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "backends/dvi/broad_phase.hpp"
@@ -21,7 +22,7 @@ struct ContactId {
 
 struct FoundContact {
   ContactId id;
-  ContactPoint point;  ///< normal from a to b
+  ContactPoint point;  ///< normal from a to b; in a periodic cell beside a, with b where image_shift() puts it
 };
 
 /// A model's bodies in the caller's unit of length: what the finder needs to know of the state.
@@ -51,6 +52,12 @@ class ContactFinder {
   /// Contacts of the pairs that the last `find` looked at, at a new placement of the same bodies (the end of the step):
   /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search.
   const std::vector<FoundContact>& find_again(const BodyPlacement& placement, int threads);
+
+  /// What to add to the position of b, so that the image of it that a meets stands there: a whole number of periods along
+  /// each periodic axis, 0 along those where one of the two is endless (core/periodic_body.hpp). `position`: of every body.
+  Vec3 image_shift(std::span<const Vec3> position, std::int32_t a, std::int32_t b) const;
+
+  bool periodic() const { return periodic_; }
 
   /// Dynamic bodies in spatial order (of the last call).
   const std::vector<std::int32_t>& order() const { return order_; }
@@ -87,6 +94,9 @@ class ContactFinder {
 
   const Model& model_;
   double unit_;
+  PeriodicCell cell_;
+  bool periodic_;
+  std::vector<std::uint8_t> endless_;  ///< per body, bit k: along axis k; empty if not periodic
   std::vector<std::int32_t> dynamic_, prescribed_;
   std::vector<std::int32_t> first_part_;  ///< per body, plus the end
   std::vector<PlacedPart> parts_;

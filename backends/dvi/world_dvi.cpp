@@ -67,6 +67,7 @@ class WorldDvi final : public World {
     time_ += dt;
     last_step_ = h;
     if (!laws_.compliant()) remove_penetration();
+    wrap();
     return report;
   }
 
@@ -252,7 +253,7 @@ class WorldDvi final : public World {
       c.b = slot_[b];
       c.normal = point.normal;
       c.arm_a = point.point - position_[a];
-      c.arm_b = point.point - position_[b];
+      c.arm_b = point.point - place_beside(found[i].id);
       c.friction = law.friction;
       c.arm = arm_of(found[i]);
       c.rolling = arms.rolling / units_.length / c.arm;
@@ -349,7 +350,7 @@ class WorldDvi final : public World {
       c.b = found[i].id.b();
       c.normal = found[i].point.normal;
       c.arm_a = found[i].point.point - position_[static_cast<std::size_t>(c.a)];
-      c.arm_b = found[i].point.point - position_[static_cast<std::size_t>(c.b)];
+      c.arm_b = found[i].point.point - place_beside(found[i].id);
       c.arm = arm_of(found[i]);
       gap_[i] = found[i].point.gap;
     }
@@ -360,6 +361,21 @@ class WorldDvi final : public World {
       turn_body(i, displacement_[i].turn);
     }
     return deepest > 10 * penetration_slop;
+  }
+
+  /// Where the image of body b stands that body a meets.
+  Vec3 place_beside(const ContactId& id) const {
+    const Vec3& place = position_[static_cast<std::size_t>(id.b())];
+    return finder_.periodic() ? Vec3(place + finder_.image_shift(position_, id.a(), id.b())) : place;
+  }
+
+  /// Bodies that left the periodic cell come back on the other side. Contacts are named by bodies and kept in world axes, so
+  /// nothing else changes.
+  void wrap() {
+    if (!finder_.periodic()) return;
+    const PeriodicCell cell = model_.periodic.in_unit(units_.length);
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i)
+      if (model_.bodies[i].dynamic) position_[i] = cell.wrapped(position_[i]);
   }
 
   /// R* of the pair.

@@ -136,3 +136,27 @@ edit friction_in_percent heap.yaml "{friction: 0.5, roll" "{friction: 50, roll" 
 edit gravity_in_millimetres heap.yaml "-9.81" "-9810" "" "gravity" "did you mean"
 edit faster_than_sound bodies.yaml "velocity: [1, 0, 0]" "velocity: [10000, 0, 0]" "" "bodies.block.velocity" "mm/s"
 edit feather_of_lead bodies.yaml "mass: 2, inertia: [0.01, 0.02, 0.02]" "mass: 2e6" "mass: 2" "bodies.dimer.mass" "units"
+
+# --- periodic cells
+per=$'duration: 0.02\nperiodic: '
+edit periodic_along_z bodies.yaml "duration: 0.02" "${per}{z: [-1, 1]}" "${per}{y: [-1, 1]}" "periodic.z" "only x and y"
+edit periodic_upside_down bodies.yaml "duration: 0.02" "${per}{y: [1, -1]}" "${per}{y: [-1, 1]}" "periodic.y" "[lower, upper]"
+edit periodic_without_width bodies.yaml "duration: 0.02" "${per}{y: [1, 1]}" "${per}{y: [0, 1]}" "periodic.y" "[lower, upper]"
+edit periodic_along_nothing bodies.yaml "duration: 0.02" "${per}{}" "${per}{x: [-2, 2], y: [-1, 1]}" "names no axis" "periodic: {y:"
+edit periodic_of_a_mass bodies.yaml "duration: 0.02" "${per}{y: [0, 1 kg]}" "${per}{y: [0, 100 cm]}" "periodic.y" "expected m"
+edit periodic_of_one_number bodies.yaml "duration: 0.02" "${per}{y: 1}" "${per}{y: [0, 1]}" "periodic.y" "list"
+edit periodic_too_narrow bodies.yaml "duration: 0.02" "${per}{y: [-0.1, 0.1]}" "${per}{y: [-0.6, 0.6]}" "periodic.y" "or longer"
+edit periodic_step_at_the_seam bodies.yaml "duration: 0.02" "${per}{y: [-1, 1]}
+tools: {slope: {type: floor, material: steel, normal: [0, 0.1, 1], position: [0, 0, -3]}}" "${per}{y: [-1, 1]}
+tools: {slope: {type: floor, material: steel, normal: [0.1, 0, 1], position: [0, 0, -3]}}" "tools.slope" "make it a floor"
+edit periodic_plate_that_ends bodies.yaml "duration: 0.02" "${per}{y: [-1, 1]}
+tools: {plate: {material: steel, size: [1, 2, 0.1], position: [0, 0, -1]}}" "${per}{y: [-1, 1]}
+tools: {plate: {material: steel, size: [1, 3, 0.1], position: [0, 0, -1]}}" "tools.plate" "m long if centred"
+edit periodic_roller_that_leaves bodies.yaml "duration: 0.02" "${per}{y: [-1, 1]}
+tools: {roller: {material: steel, diameter: 0.2, width: 3, position: [3, 0, 1], motion: {velocity: [0, 0.1, 0]}}}" "${per}{y: [-1, 1]}
+tools: {roller: {material: steel, diameter: 0.2, width: 3, position: [3, 0, 1], motion: {velocity: [0.1, 0, 0]}}}" "tools.roller" "without motion along y"
+edit periodic_post_outside bodies.yaml "duration: 0.02" "${per}{y: [-1, 1]}
+tools: {plate: {material: steel, size: [0.1, 0.1, 0.1], position: [0, 1.5, 2]}}" "${per}{y: [-1, 1]}
+tools: {plate: {material: steel, size: [0.1, 0.1, 0.1], position: [0, 0.9, 2]}}" "tools.plate" "move it to between"
+edit periodic_fill_outside heap.yaml "duration: 0.005" $'duration: 0.005\nperiodic: {y: [-0.5 mm, 5 mm]}' $'duration: 0.005\nperiodic: {y: [-2.5 mm, 5 mm]}' \
+  "grains.powder" "keep it within the cell"

@@ -33,6 +33,12 @@ ModelBuilder& ModelBuilder::effect(const Effect& effect) {
   return *this;
 }
 
+ModelBuilder& ModelBuilder::periodic(int axis, double lower, double upper) {
+  model_.periodic.lower[axis] = lower;
+  model_.periodic.upper[axis] = upper;
+  return *this;
+}
+
 ModelBuilder& ModelBuilder::floor(const std::string& material, const Vec3& normal, const Vec3& point) {
   return wall(material, shape_of("half_space", HalfSpace{normal.normalized()}), {point, Quat::Identity()});
 }
@@ -105,6 +111,8 @@ Model ModelBuilder::build() const {
     const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
     model.laws[a * n + b] = model.laws[b * n + a] = law;
   }
+  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+    if (model.bodies[i].dynamic) model.initial.position[i] = model.periodic.wrapped(model.initial.position[i]);
   validate(model);
   return model;
 }

@@ -31,6 +31,8 @@ class ModelBuilder {
   ModelBuilder& law(const std::string& a, const std::string& b, const PairLaw& law);
   ModelBuilder& gravity(const Vec3& gravity);
   ModelBuilder& effect(const Effect& effect);
+  /// Periodic along an axis (0: x, 1: y); bodies that move are taken into the cell.
+  ModelBuilder& periodic(int axis, double lower, double upper);
 
   /// A fixed half-space through `point` whose solid lies opposite to `normal` (made unit).
   ModelBuilder& floor(const std::string& material, const Vec3& normal = Vec3::UnitZ(),

@@ -71,6 +71,9 @@ TEST(BulletWorld, ProcessWideSettingsOfOthersDoNotReachIt) {
 TEST(BulletWorld, RefusesWhatItCannotDo) {
   const Model model = heap();
   EXPECT_TRUE(bullet::unsupported(model).empty());
+  Model periodic = model;
+  periodic.periodic = {{0, -1, 0}, {0, 1, 0}};
+  EXPECT_EQ(bullet::unsupported(periodic), std::vector<std::string>{"periodic"});
   SolverOptions relaxed;
   relaxed.law = ContactLaw::relaxed;
   EXPECT_THROW(bullet::make_world(model, relaxed), Error);

@@ -41,6 +41,21 @@ TEST(Packing, OverlapCountsOnce) {
   EXPECT_NEAR(f.value, 2.0 / 3, 0.004);  // Archimedes
 }
 
+TEST(Packing, ImagesCountInAPeriodicCell) {
+  // One layer of the lattice in a cell that cuts through its balls, sampled across the seam.
+  synthetic::Heap heap = synthetic::empty_heap(6);
+  heap.model.periodic = {{0, 0, 0}, {4, 3, 0}};
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 3; ++y)
+      for (int z = 0; z < 6; ++z) synthetic::add_sphere(heap, Vec3(x, y, z + 0.5), 0.5);
+  for (const Vec3& base : {Vec3(0, 0, 1), Vec3(2, 1.5, 1), Vec3(-9, 7, 1)}) {
+    const SolidFraction f = solid_fraction_in_cylinder(heap.model, heap.state, all(heap), base, 10, 4, 40000);
+    EXPECT_NEAR(f.value, std::numbers::pi / 6, 0.005);
+  }
+  heap.model.periodic = {};
+  EXPECT_LT(solid_fraction_in_cylinder(heap.model, heap.state, all(heap), Vec3(2, 1.5, 1), 10, 4, 40000).value, 0.03);
+}
+
 TEST(Packing, NothingThere) {
   const auto heap = lattice(1);
   EXPECT_EQ(solid_fraction_in_cylinder(heap.model, heap.state, all(heap), Vec3(0, 0, 100), 1, 1, 100).value, 0);
