@@ -27,7 +27,8 @@ bool carries(const ToolKind& kind) {
   return std::visit(Overloaded{[](const Base&) { return true; }, [](const Plate&) { return true; },
                                [](const Floor&) { return true; }, [](const Container&) { return true; },
                                [](const Cup&) { return true; }, [](const Funnel&) { return false; },
-                               [](const Roller&) { return false; }, [](const Drum&) { return false; }},
+                               [](const Roller&) { return false; }, [](const Blade&) { return false; },
+                               [](const Drum&) { return false; }},
                     kind);
 }
 
