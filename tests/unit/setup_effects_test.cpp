@@ -140,7 +140,7 @@ TEST(SetupEffects, RefusalsNameThePlace) {
     parse_scene(text, "test", {{"effects", "{wall_friction: {friction: 1}}"}, {"bodies.brick.material", "steel"}});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(error.place().find("test: effects.wall_friction"), std::string::npos) << error.place();
+    EXPECT_NE(error.place().find("effects.wall_friction"), std::string::npos) << error.place();
   }
 }
 
