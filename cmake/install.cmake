@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 
 set(REPOSE_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/Repose)
 foreach(library repose_options repose_dvi_options repose_core repose_dvi_collision repose_dvi repose_bullet
-        repose_dart repose_backends repose_analysis repose_bundle repose_render repose_report)
+        repose_dart repose_backends repose_analysis repose_bundle repose_diagnosis repose_render repose_report)
   if(TARGET ${library})
     list(APPEND REPOSE_LIBRARIES ${library})
   endif()

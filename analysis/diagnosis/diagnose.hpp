@@ -1,0 +1,80 @@
+#pragma once
+/// Diagnosis of few-body recordings: from a mismatch to the missing physics, in twelve steps.
+///
+///   1 observation model   observation_model.hpp    2 calibration of the nominal scene   fit.hpp
+///   3 nested-optimum guard   here                   4 lack of fit   screen.hpp: the largest gain of noise alone
+///   5 locate   locate.hpp                           6 shape   shape.hpp
+///   7 candidates   screen.hpp, then joint fits      8 verdict   verdict.hpp
+///   9 confounding   here                           10 uncertainty   curvature, and scatter between runs
+///  11 before and after on held-out runs            12 write back: the extended scene
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/confounding.hpp"
+#include "analysis/diagnosis/locate.hpp"
+#include "analysis/diagnosis/score.hpp"
+#include "analysis/diagnosis/shape.hpp"
+#include "analysis/diagnosis/verdict.hpp"
+
+namespace repose::diagnosis {
+
+struct DiagnoseOptions {
+  int threads = 1;
+  std::uint64_t seed = 1;
+  int max_train_runs = 8, max_held_out_runs = 8;
+  int replicas = 499;
+  int joint_fits = 6;       ///< candidates of the screening that are fitted jointly
+  std::function<void(const std::string& stage, double done, double total)> progress;
+  std::function<bool()> interrupted;
+};
+
+struct ParameterEstimate {
+  std::string name, unit, effect;
+  double value = 0, lower = 0, upper = 0;  ///< 90 %
+};
+
+struct FittedHypothesis {
+  Hypothesis hypothesis;
+  Fit fit;                  ///< on the training runs
+  Fit held_fit;             ///< physics frozen, start values fitted; no runs if nothing is held out
+  double scale = 1;         ///< of the residuals on the training runs, in units of the noise, at least 1
+  Score train, held_out;
+  int extra_parameters = 0; ///< beyond the nominal's
+  std::vector<ParameterEstimate> parameters;
+};
+
+struct ResidualSample {  ///< for the report
+  std::string run, channel;
+  std::vector<double> time, nominal, extended;  ///< in sigma
+};
+
+struct Diagnosis {
+  Verdict verdict;
+  std::vector<FittedHypothesis> models;   ///< [0]: nominal; then as fitted
+  std::size_t best = 0;                   ///< the extended one; 0: nominal
+  double lack_of_fit_p = 1; ///< smallest of screening and locating, corrected for being two
+  double remaining_p = 1;   ///< the same of the best model
+  double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes
+  int replicas = 0;
+  std::vector<Located> where;
+  std::vector<Dependence> depends_on;
+  std::vector<SuggestedRecording> suggested;
+  double paired_p = 1, effect_size = 0;
+  std::vector<std::string> run_ids;       ///< of the problem: training runs, then those held out
+  std::size_t train_runs = 0;
+  std::vector<ResidualSample> residuals;  ///< of at most six runs
+  std::string extended_scene;             ///< YAML
+  std::map<std::string, NoiseModel> noise;
+  std::vector<std::string> notes;         ///< subsets, splits, horizons: what was done and what was left out
+  std::size_t simulations = 0;
+  bool interrupted = false;               ///< stages after the interruption are missing
+  std::vector<Screened> screened;
+};
+
+/// Throws Error (Kind::input) if the bundle has nothing that few bodies can be compared with. On an interruption the result holds
+/// what was found so far, with the verdict of that.
+Diagnosis diagnose(const Bundle& bundle, const Simulate& simulate, const DiagnoseOptions& options);
+
+}  // namespace repose::diagnosis

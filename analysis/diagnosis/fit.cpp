@@ -1,0 +1,229 @@
+#include "analysis/diagnosis/fit.hpp"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace repose::diagnosis {
+namespace {
+
+/// Parameters as the optimiser sees them: ln of logarithmic ones, all in units of ten differencing steps.
+struct Coordinates {
+  explicit Coordinates(const std::vector<Parameter>& p) : parameters(p) {}
+  double unit(std::size_t i) const {
+    const Parameter& p = parameters[i];
+    return p.logarithmic ? 1e-2 : 10 * p.step;
+  }
+  double to(std::size_t i, double v) const {
+    const Parameter& p = parameters[i];
+    return (p.logarithmic ? std::log(std::clamp(v, p.lower, p.upper)) : v) / unit(i);
+  }
+  double from(std::size_t i, double u) const {
+    const Parameter& p = parameters[i];
+    const double v = u * unit(i);
+    return std::clamp(p.logarithmic ? std::exp(v) : v, p.lower, p.upper);
+  }
+  std::vector<double> to(const Values& v) const {
+    std::vector<double> u;
+    for (std::size_t i = 0; i < parameters.size(); ++i) u.push_back(to(i, v[static_cast<Eigen::Index>(i)]));
+    return u;
+  }
+  Values from(const double* u) const {
+    Values v(static_cast<Eigen::Index>(parameters.size()));
+    for (std::size_t i = 0; i < parameters.size(); ++i) v[static_cast<Eigen::Index>(i)] = from(i, u[i]);
+    return v;
+  }
+  const std::vector<Parameter>& parameters;
+};
+
+constexpr double difference = 0.1;  // in units of Coordinates
+
+class RunCost final : public ceres::CostFunction {
+ public:
+  RunCost(const Problem& problem, const Layout& layout, std::size_t run)
+      : problem_(problem), layout_(layout), run_(run), shared_(layout.shared), own_(layout.per_run[run]) {
+    set_num_residuals(static_cast<int>(problem.runs()[run].size));
+    for (const std::size_t n : {shared_.parameters.size(), own_.parameters.size()})
+      if (n > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(n));
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    std::vector<double> u[2];
+    int block = 0, shared_block = -1, own_block = -1;
+    if (!shared_.parameters.empty()) u[0].assign(blocks[block], blocks[block] + shared_.parameters.size()), shared_block = block++;
+    if (!own_.parameters.empty()) u[1].assign(blocks[block], blocks[block] + own_.parameters.size()), own_block = block++;
+    const auto at = [&] { return problem_.residual(layout_, run_, shared_.from(u[0].data()), own_.from(u[1].data())); };
+    const Eigen::VectorXd r = at();
+    Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
+    if (jacobians == nullptr) return true;
+    for (int which = 0; which < 2; ++which) {
+      const int index = which == 0 ? shared_block : own_block;
+      if (index < 0 || jacobians[index] == nullptr) continue;
+      const Coordinates& c = which == 0 ? shared_ : own_;
+      const auto n = static_cast<Eigen::Index>(c.parameters.size());
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> j(jacobians[index], r.size(), n);
+      for (Eigen::Index i = 0; i < n; ++i) {
+        double& x = u[which][static_cast<std::size_t>(i)];
+        const double kept = x;
+        const auto k = static_cast<std::size_t>(i);
+        // Away from a bound that is near.
+        const double upper = c.to(k, c.parameters[k].upper);
+        const double delta = kept + difference > upper ? -difference : difference;
+        x = kept + delta;
+        j.col(i) = (at() - r) / delta;
+        x = kept;
+      }
+    }
+    return true;
+  }
+
+ private:
+  const Problem& problem_;
+  const Layout& layout_;
+  std::size_t run_;
+  Coordinates shared_, own_;
+};
+
+class Stop final : public ceres::IterationCallback {
+ public:
+  explicit Stop(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return interrupted_ && interrupted_() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::function<bool()>& interrupted_;
+};
+
+void evaluate(const Problem& problem, Fit& fit) {
+  fit.residual.clear();
+  fit.chi2 = 0;
+  fit.samples = 0;
+  fit.parameters = static_cast<int>(fit.layout.shared.size());
+  for (const std::size_t run : fit.runs) {
+    fit.residual.push_back(residual_of(problem, fit, run));
+    fit.chi2 += fit.residual.back().squaredNorm();
+    fit.samples += fit.residual.back().size();
+    fit.parameters += static_cast<int>(fit.layout.per_run[run].size());
+  }
+}
+
+Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, bool frozen) {
+  Fit best = start;
+  evaluate(problem, best);
+  const Coordinates shared(best.layout.shared);
+  std::vector<double> s = shared.to(best.shared);
+  std::vector<std::vector<double>> own;
+  for (std::size_t run = 0; run < best.own.size(); ++run) own.push_back(Coordinates(best.layout.per_run[run]).to(best.own[run]));
+
+  ceres::Problem least_squares;
+  const auto bound = [&](double* block, const Coordinates& c) {
+    for (std::size_t i = 0; i < c.parameters.size(); ++i) {
+      if (std::abs(c.parameters[i].lower) < 1e299) least_squares.SetParameterLowerBound(block, static_cast<int>(i), c.to(i, c.parameters[i].lower));
+      if (std::abs(c.parameters[i].upper) < 1e299) least_squares.SetParameterUpperBound(block, static_cast<int>(i), c.to(i, c.parameters[i].upper));
+      block[i] = std::clamp(block[i], std::abs(c.parameters[i].lower) < 1e299 ? c.to(i, c.parameters[i].lower) : -1e300,
+                            std::abs(c.parameters[i].upper) < 1e299 ? c.to(i, c.parameters[i].upper) : 1e300);
+    }
+  };
+  bool any = false;
+  for (const std::size_t run : best.runs) {
+    std::vector<double*> blocks;
+    if (!s.empty()) blocks.push_back(s.data());
+    if (!own[run].empty()) blocks.push_back(own[run].data());
+    if (blocks.empty()) continue;
+    any = true;
+    least_squares.AddResidualBlock(new RunCost(problem, best.layout, run), nullptr, blocks);
+    if (!own[run].empty()) bound(own[run].data(), Coordinates(best.layout.per_run[run]));
+  }
+  if (any && !s.empty()) {
+    bound(s.data(), shared);
+    if (frozen) least_squares.SetParameterBlockConstant(s.data());
+  }
+  if (!any || (frozen && least_squares.NumParameters() == static_cast<int>(s.size()))) return best;
+
+  ceres::Solver::Options o;
+  o.max_num_iterations = options.iterations;
+  o.num_threads = options.threads;
+  o.linear_solver_type = ceres::DENSE_QR;
+  o.function_tolerance = 1e-5;
+  o.logging_type = ceres::SILENT;
+  Stop stop(options.interrupted);
+  o.callbacks = {&stop};
+  ceres::Solver::Summary summary;
+  ceres::Solve(o, &least_squares, &summary);
+
+  Fit found = best;
+  if (!frozen) found.shared = shared.from(s.data());
+  for (const std::size_t run : best.runs) found.own[run] = Coordinates(best.layout.per_run[run]).from(own[run].data());
+  evaluate(problem, found);
+  return found.chi2 < best.chi2 ? found : best;
+}
+
+}  // namespace
+
+Eigen::VectorXd residual_of(const Problem& problem, const Fit& fit, std::size_t run) {
+  return problem.residual(fit.layout, run, fit.shared, fit.own[run]);
+}
+
+Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std::size_t>& runs) {
+  Fit fit;
+  fit.layout = layout;
+  fit.runs = runs;
+  const auto starts = [](const std::vector<Parameter>& parameters) {
+    Values v(static_cast<Eigen::Index>(parameters.size()));
+    for (std::size_t i = 0; i < parameters.size(); ++i) v[static_cast<Eigen::Index>(i)] = parameters[i].start;
+    return v;
+  };
+  fit.shared = starts(layout.shared);
+  for (const auto& own : layout.per_run) fit.own.push_back(starts(own));
+  evaluate(problem, fit);
+  return fit;
+}
+
+Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options) { return solve(problem, start, options, false); }
+
+Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options) {
+  Fit fit = trained;
+  fit.runs = runs;
+  return solve(problem, fit, options, true);
+}
+
+RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run) {
+  const Eigen::VectorXd r = residual_of(problem, fit, run);
+  const auto columns = [&](bool shared) {
+    const std::vector<Parameter>& parameters = shared ? fit.layout.shared : fit.layout.per_run[run];
+    const Coordinates c(parameters);
+    Eigen::MatrixXd j(r.size(), static_cast<Eigen::Index>(parameters.size()));
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      Values s = fit.shared, o = fit.own[run];
+      Values& v = shared ? s : o;
+      const double before = v[k];
+      v[k] = c.from(i, c.to(i, before) + difference);
+      if (v[k] == before) v[k] = c.from(i, c.to(i, before) - difference);
+      const double moved = v[k] - before;
+      j.col(k) = moved == 0 ? Eigen::VectorXd::Zero(r.size()) : Eigen::VectorXd((problem.residual(fit.layout, run, s, o) - r) / moved);
+    }
+    return j;
+  };
+  return {columns(true), columns(false)};
+}
+
+Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double scale) {
+  const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
+  for (const std::size_t run : fit.runs) {
+    const RunJacobian j = jacobian(problem, fit, run);
+    Eigen::MatrixXd s = j.shared;
+    if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
+    information += s.transpose() * s;
+  }
+  if (n == 0) return {};
+  const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
+  return scale * covariance.diagonal().cwiseMax(0).cwiseSqrt();
+}
+
+}  // namespace repose::diagnosis

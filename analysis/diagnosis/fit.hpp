@@ -1,0 +1,50 @@
+#pragma once
+/// Least squares over runs: shared parameters, and those of each run.
+#include <functional>
+#include <vector>
+
+#include "analysis/diagnosis/problem.hpp"
+
+namespace repose::diagnosis {
+
+struct Fit {
+  Layout layout;
+  Values shared;
+  std::vector<Values> own;                 ///< of every run of the problem; fitted for `runs` only
+  std::vector<std::size_t> runs;           ///< that were fitted
+  std::vector<Eigen::VectorXd> residual;   ///< of `runs`, whitened
+  double chi2 = 0;                         ///< sum of squares
+  Eigen::Index samples = 0;
+  int parameters = 0;
+  double per_dof() const { return chi2 / std::max<double>(1, static_cast<double>(samples - parameters)); }
+};
+
+struct FitOptions {
+  int iterations = 12;
+  int threads = 1;
+  std::function<bool()> interrupted;
+};
+
+/// The start values of a layout.
+Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std::size_t>& runs);
+
+/// Minimises chi^2 = sum of squared whitened residuals from `start` (Levenberg-Marquardt of Ceres within the bounds, derivatives by
+/// differences; logarithmic parameters in ln). Never ends worse than it began.
+Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options);
+
+/// Frozen shared parameters: only the values of each run of `runs` are fitted.
+Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options);
+
+/// Derivatives of the residuals of one run at the fit.
+struct RunJacobian {
+  Eigen::MatrixXd shared, own;
+};
+RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run);
+
+/// Standard errors of the shared parameters from the curvature at the fit, times `scale`.
+Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double scale);
+
+/// Residuals of a run at the fit.
+Eigen::VectorXd residual_of(const Problem& problem, const Fit& fit, std::size_t run);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,166 @@
+#include "analysis/diagnosis/hypothesis.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/error.hpp"
+#include "core/scene_yaml.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double difference = 1e-3;  // of a parameter's range or value: simulations are exact to far less
+
+const YamlNode* find_path(const YamlNode& root, const std::string& path) {
+  const YamlNode* node = &root;
+  for (std::size_t from = 0; node != nullptr && from <= path.size();) {
+    const std::size_t dot = std::min(path.find('.', from), path.size());
+    node = node->find(path.substr(from, dot - from));
+    from = dot + 1;
+  }
+  return node;
+}
+
+/// A finite value to begin from: the one that does nothing, or just inside the bounds.
+double first_value(const EffectParameter& p, const EffectBounds& bounds) {
+  if (std::isfinite(bounds.nominal) && bounds.nominal >= bounds.lower && bounds.nominal <= bounds.upper) return bounds.nominal;
+  return bounds.nominal < bounds.lower ? bounds.lower : p.log_scaled ? bounds.upper : 0.5 * (bounds.lower + bounds.upper);
+}
+
+double differencing_step(const EffectParameter& p, const EffectBounds& bounds, double start) {
+  return p.log_scaled ? difference * std::max(std::abs(start), 1e-300) : difference * (bounds.upper - bounds.lower);
+}
+
+Parameter measured(Parameter::Use use, const std::string& effect, const EffectParameter& p, const EffectBounds& bounds) {
+  Parameter result;
+  result.use = use;
+  result.effect = effect;
+  result.key = effect + "." + p.name;
+  result.unit = p.unit;
+  result.lower = bounds.lower;
+  result.upper = bounds.upper;
+  result.start = result.null = bounds.nominal;
+  result.step = 1e-4 * (bounds.upper - bounds.lower);
+  return result;
+}
+
+double range_of(const Observation& o) {
+  double low = 1e300, high = -1e300;
+  for (const double v : o.value)
+    if (std::isfinite(v)) {
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+  return high > low ? high - low : 1;
+}
+
+TermParameters of_measurement(const EffectRow& row, const NaturalScale& scale, const std::vector<Observation>& observations) {
+  TermParameters result;
+  const auto bounds = [&](std::size_t i) { return bounds_of(row.parameters[i], scale); };
+  using Use = Parameter::Use;
+  if (row.name == "length_scale") result.shared = {measured(Use::length_scale, row.name, row.parameters[0], bounds(0))};
+  if (row.name == "time_scale") result.shared = {measured(Use::time_scale, row.name, row.parameters[0], bounds(0))};
+  if (row.name == "time_offset") result.per_run = {measured(Use::time_offset, row.name, row.parameters[0], bounds(0))};
+  if (row.name == "frame_tilt")
+    result.shared = {measured(Use::tilt_x, row.name, row.parameters[0], bounds(0)), measured(Use::tilt_y, row.name, row.parameters[1], bounds(1))};
+  if (row.name == "sensor_bias")
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      if (observations[i].kind != ObservableKind::series) continue;
+      const double range = range_of(observations[i]);
+      Parameter p = measured(Use::bias, row.name, row.parameters[0], {-range, 0, range});
+      p.component = static_cast<int>(i);
+      p.unit = observations[i].unit;
+      result.per_run.push_back(p);
+    }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> Hypothesis::names() const {
+  std::vector<std::string> result;
+  for (const Term& term : terms) result.push_back(term.row->name);
+  return result;
+}
+
+std::string Hypothesis::label() const {
+  std::string text;
+  for (const Term& term : terms)
+    text += (text.empty() ? "" : " + ") + term.row->name + (term.place.empty() ? "" : " (" + term.place + ")");
+  return text.empty() ? "nominal" : text;
+}
+
+TermParameters parameters_of(const Term& term, const NaturalScale& scale, const std::vector<Observation>& observations) {
+  if (term.row->site == EffectSite::measurement) return of_measurement(*term.row, scale, observations);
+  TermParameters result;
+  for (const EffectParameter& p : term.row->parameters) {
+    if (p.held || p.key.empty()) continue;
+    const EffectBounds bounds = bounds_of(p, scale);
+    for (int k = 0; k < p.components; ++k) {
+      Parameter q;
+      q.key = key_at(p, term.place);
+      q.component = p.components == 1 ? -1 : k;
+      q.effect = term.row->name;
+      q.unit = p.unit;
+      q.lower = bounds.lower;
+      q.upper = bounds.upper;
+      q.null = bounds.nominal;
+      q.start = first_value(p, bounds);
+      q.step = differencing_step(p, bounds, q.start);
+      q.logarithmic = p.log_scaled;
+      result.shared.push_back(q);
+    }
+  }
+  return result;
+}
+
+void put_terms(YamlNode& tree, const Hypothesis& hypothesis, const NaturalScale& scale) {
+  for (const Term& term : hypothesis.terms) {
+    if (term.row->site == EffectSite::measurement || term.row->site == EffectSite::numerics) continue;
+    std::vector<std::vector<double>> values;
+    for (const EffectParameter& p : term.row->parameters)
+      values.emplace_back(static_cast<std::size_t>(p.components), first_value(p, bounds_of(p, scale)));
+    for (const auto& [path, value] : edits(*term.row, values, term.place)) set_path(tree, path, value);
+  }
+}
+
+std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::string>& calibrated, const NaturalScale& scale) {
+  std::vector<Term> terms;
+  const YamlNode tree = parse_yaml(scene.text, "scene");
+  for (const EffectRow& row : effect_library()) {
+    if (row.site == EffectSite::numerics) continue;
+    // Between bodies alone a wall is a body like any other: the claim is that of `friction`.
+    if (row.name == "wall_friction" && scene.grains.empty()) continue;
+    std::vector<std::string> places = places_of(row, scene);
+    if (places.empty()) places.emplace_back();
+    for (const std::string& place : places) {
+      const Term term{&row, place};
+      bool stated = false;
+      for (const EffectParameter& p : row.parameters) {
+        if (p.key.empty()) continue;
+        const std::string key = key_at(p, place);
+        const YamlNode* present = find_path(tree, key);
+        stated = stated || (present != nullptr && !(present->text == "0" || present->text == "0.0")) ||
+                 std::find(calibrated.begin(), calibrated.end(), key) != calibrated.end();
+      }
+      if (stated) continue;
+      if (row.site != EffectSite::measurement) {
+        if (row.keys.empty() || (row.keys.front().find('*') != std::string::npos && place.empty())) continue;
+        try {  // what this version or this scene cannot hold is no candidate
+          YamlNode changed = tree;
+          put_terms(changed, {{term}}, scale);
+          realise(parse_scene(emit_yaml(changed), "scene"), 1);
+        } catch (const Error&) {
+          continue;
+        }
+      }
+      terms.push_back(term);
+    }
+  }
+  return terms;
+}
+
+}  // namespace repose::diagnosis

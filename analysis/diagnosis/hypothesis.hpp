@@ -1,0 +1,58 @@
+#pragma once
+/// A claim about what is missing: effects of the library, each at its place, and the parameters that a fit may turn.
+#include <string>
+#include <vector>
+
+#include "analysis/bundle/bundle.hpp"
+#include "core/effect_library.hpp"
+#include "core/yaml_tree.hpp"
+
+namespace repose::diagnosis {
+
+/// One effect of the library, with the pair of materials where it acts (empty if it has no place).
+struct Term {
+  const EffectRow* row = nullptr;
+  std::string place;
+};
+
+/// Sorted terms; none: the nominal scene.
+struct Hypothesis {
+  std::vector<Term> terms;
+  std::vector<std::string> names() const;
+  std::string label() const;  ///< "rolling_friction (ball-floor) + time_offset"; "nominal"
+};
+
+/// One number that a fit turns.
+struct Parameter {
+  enum class Use {
+    scene,         ///< component `component` of the value at `key`
+    turn,          ///< component of a rotation vector [rad] applied to the start orientation at `key`
+    length_scale, time_scale, time_offset, tilt_x, tilt_y,  ///< of the recording
+    bias,          ///< of observation `component` of the run
+  } use = Use::scene;
+  std::string key;      ///< scene path, or "length_scale.factor"
+  int component = -1;   ///< -1: a plain number
+  std::string effect;   ///< of the library; "" for calibrated constants and start values
+  std::string unit;
+  double lower = -1e300, upper = 1e300;
+  double start = 0;
+  double null = 0;      ///< where it does nothing
+  double step = 1e-6;   ///< for finite differences
+  bool logarithmic = false;
+};
+
+/// Parameters of the terms: those shared by all runs, and (time_offset, sensor_bias) one per run. Held ones and values
+/// that the scene states are not turned.
+struct TermParameters {
+  std::vector<Parameter> shared, per_run;
+};
+TermParameters parameters_of(const Term& term, const NaturalScale& scale, const std::vector<Observation>& observations);
+
+/// Every effect of the library that the scene does not have yet and that can be set in it: one term per place.
+/// `calibrated` keys are free already, so that they explain nothing new.
+std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::string>& calibrated, const NaturalScale& scale);
+
+/// Sets the terms' keys in a scene tree to their nominal or start values; parameters are set over these.
+void put_terms(YamlNode& tree, const Hypothesis& hypothesis, const NaturalScale& scale);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,181 @@
+#include "analysis/diagnosis/locate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double significant = 0.01;
+constexpr double trial_share = 0.02;  // of a body's weight: small against what matters, large against rounding
+
+double gravity_scale(const History& history) {
+  const double g = history.gravity.norm();
+  return g > 0 ? g : 9.81;
+}
+
+/// The observable of the run that moves most with the direction d.
+std::string most_moved(const RunData& data, const Eigen::VectorXd& d) {
+  std::string best = "position";
+  double largest = -1;
+  for (const Channel& c : data.channels) {
+    const double size = d.segment(c.first, static_cast<Eigen::Index>(c.time.size())).squaredNorm();
+    if (size > largest) {
+      largest = size;
+      best = c.observable;
+    }
+  }
+  return best;
+}
+
+/// Neighbours in time of one run, body and phase become one entry with the smallest p.
+std::vector<Located> merged(std::vector<Located> entries) {
+  std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) {
+    return std::tie(a.run, a.segment.body, a.segment.from) < std::tie(b.run, b.segment.body, b.segment.from);
+  });
+  std::vector<Located> result;
+  for (const Located& e : entries) {
+    if (!result.empty() && result.back().run == e.run && result.back().segment.body == e.segment.body &&
+        result.back().segment.phase == e.segment.phase && std::abs(result.back().segment.to - e.segment.from) < 1e-9 &&
+        result.back().p <= significant && e.p <= significant && result.back().force.dot(e.force) > 0) {
+      Located& last = result.back();
+      last.segment.to = e.segment.to;
+      last.gain = std::max(last.gain, e.gain);
+      last.p = std::min(last.p, e.p);
+      continue;
+    }
+    result.push_back(e);
+  }
+  std::sort(result.begin(), result.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.gain > b.gain; });
+  return result;
+}
+
+}  // namespace
+
+const std::string& phase_name(Phase phase) {
+  static const std::string names[] = {"flight", "impact", "sliding", "rolling", "rest"};
+  return names[static_cast<std::size_t>(phase)];
+}
+
+std::vector<Phase> phases_of(const History& history, const BodyTrack& track, double radius) {
+  const double g = gravity_scale(history), slow = 0.01 * std::sqrt(g * radius);
+  std::vector<Phase> phases;
+  for (std::size_t i = 0; i < history.time.size(); ++i) {
+    const double h = i > 0 ? history.time[i] - history.time[i - 1] : 0, speed = track.velocity[i].norm();
+    if (track.normal_force[i] <= 0)
+      phases.push_back(Phase::flight);
+    else if (track.approach[i] > 3 * g * h + slow)
+      phases.push_back(Phase::impact);
+    else if (speed < slow && track.spin[i].norm() * radius < slow)
+      phases.push_back(Phase::rest);
+    else
+      phases.push_back(track.slip_speed[i] < 0.05 * std::max(speed, slow) ? Phase::rolling : Phase::sliding);
+  }
+  if (phases.size() > 1) phases[0] = phases[1];  // the start has no contacts yet
+  return phases;
+}
+
+std::vector<Segment> segments_of(const History& history, const std::string& body, double until, int parts) {
+  const BodyTrack& track = history.bodies.at(body);
+  const std::vector<Phase> phases = phases_of(history, track, history.radius.at(body));
+  std::vector<Segment> segments;
+  const auto last = static_cast<std::size_t>(std::upper_bound(history.time.begin(), history.time.end(), until) - history.time.begin());
+  const double longest = until / parts;
+  std::size_t from = 0;
+  const auto close = [&](std::size_t to) {
+    if (to <= from) return;
+    Segment s;
+    s.body = body;
+    s.phase = phases[from];
+    s.from = history.time[from];
+    s.to = history.time[std::min(to, history.time.size() - 1)];
+    const auto n = static_cast<double>(to - from);
+    for (std::size_t i = from; i < to; ++i) {
+      s.speed += track.velocity[i].norm() / n;
+      s.slip_speed += track.slip_speed[i] / n;
+      s.spin += track.spin[i].norm() / n;
+      s.normal_force += track.normal_force[i] / n;
+      s.height += track.position[i].z() / n;
+      s.time += history.time[i] / n;
+      s.velocity += track.velocity[i] / n;
+    }
+    segments.push_back(s);
+    from = to;
+  };
+  for (std::size_t i = 1; i < last; ++i)
+    if (phases[i] != phases[from] || history.time[i] - history.time[from] >= longest) close(i);
+  close(last);
+  // Chattering between phases makes slivers: they join what came before, but for impacts.
+  std::vector<Segment> joined;
+  for (const Segment& s : segments) {
+    if (!joined.empty() && s.to - s.from < 0.1 * longest && s.phase != Phase::impact && joined.back().phase != Phase::impact)
+      joined.back().to = s.to;
+    else
+      joined.push_back(s);
+  }
+  return joined;
+}
+
+std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas,
+                            std::uint64_t seed) {
+  std::vector<Located> entries;
+  std::vector<Eigen::MatrixXd> bases;
+  const Fit& fit = nominal;
+  for (std::size_t i = 0; i < std::min<std::size_t>(fit.runs.size(), static_cast<std::size_t>(max_runs)); ++i) {
+    const std::size_t run = fit.runs[i];
+    const RunData& data = problem.runs()[run];
+    const History history = problem.history(fit.layout, run, fit.shared, fit.own[run]);
+    const Eigen::Index first = nuisance.first()[i], size = nuisance.first()[i + 1] - first;
+    std::vector<std::size_t> of_run;
+    Eigen::MatrixXd all(size, 0);
+    for (const auto& [body, track] : history.bodies) {
+      const bool observed = std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name; });
+      if (!observed) continue;
+      const double weight = history.mass.at(body) * gravity_scale(history);
+      for (const Segment& segment : segments_of(history, body, data.horizon, 8)) {
+        Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), 3);
+        for (int k = 0; k < 3; ++k) {
+          WindowLoad load{body, segment.from, segment.to, trial_share * weight * Vec3::Unit(k), Vec3::Zero()};
+          columns.col(k).segment(first, size) = (problem.residual(fit.layout, run, fit.shared, fit.own[run], {load}) - fit.residual[i]) / trial_share;
+        }
+        Located entry;
+        entry.run = run;
+        entry.segment = segment;
+        entry.observable = most_moved(data, columns.rowwise().sum().segment(first, size));
+        const Eigen::MatrixXd basis = nuisance.left_of(columns);
+        if (basis.cols() == 0) continue;
+        entry.gain = (basis.transpose() * nuisance.residual()).squaredNorm();
+        all.conservativeResize(Eigen::NoChange, all.cols() + 3);
+        all.rightCols(3) = columns.middleRows(first, size);
+        bases.push_back(basis);
+        of_run.push_back(entries.size());
+        entries.push_back(entry);
+      }
+      // The forces of all segments together, so that none speaks for its neighbours; in units of the weight, a little stiff.
+      if (all.cols() == 0) continue;
+      const RunJacobian j = jacobian(problem, fit, run);
+      Eigen::MatrixXd a(size, all.cols() + j.own.cols());
+      a << all, j.own;
+      Eigen::VectorXd column_size = a.colwise().norm().cwiseMax(1e-12);
+      Eigen::MatrixXd scaled = a * column_size.cwiseInverse().asDiagonal();
+      Eigen::MatrixXd normal = scaled.transpose() * scaled;
+      normal.diagonal().array() += 1e-6;
+      const Eigen::MatrixXd inverse = normal.inverse();
+      const Eigen::VectorXd solution = column_size.cwiseInverse().asDiagonal() * (inverse * (scaled.transpose() * -fit.residual[i]));
+      for (std::size_t n = 0; n < of_run.size() && static_cast<Eigen::Index>(3 * n + 2) < all.cols(); ++n)
+        for (int k = 0; k < 3; ++k) {
+          const auto c = static_cast<Eigen::Index>(3 * n) + k;
+          entries[of_run[n]].force[k] = weight * solution[c];
+          entries[of_run[n]].force_se[k] = weight * std::sqrt(inverse(c, c)) / column_size[c];
+        }
+    }
+  }
+  if (entries.empty()) return entries;
+  const NullDistribution null = largest_gains(bases, nuisance.size(), replicas, seed);
+  for (Located& e : entries) e.p = null.p(e.gain);
+  return merged(std::move(entries));
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,59 @@
+#include "analysis/diagnosis/observation_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace repose::diagnosis {
+
+double noise_from_differences(std::span<const double> x, std::size_t n) {
+  std::vector<double> size;
+  for (std::size_t i = 0; i + 3 * n < x.size(); ++i) {
+    const double d = x[i] - 3 * x[i + n] + 3 * x[i + 2 * n] - x[i + 3 * n];
+    if (std::isfinite(d)) size.push_back(std::abs(d));
+  }
+  if (size.size() < 8) return 0;
+  const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
+  std::nth_element(size.begin(), middle, size.end());
+  return 1.4826 * *middle / std::sqrt(20.0);
+}
+
+NoiseModel noise_model(std::span<const double> x) {
+  constexpr double worth_it = 1.25, strongest = 0.95;
+  const auto variance = [](double phi) { return 20 - 30 * phi + 12 * phi * phi - 2 * phi * phi * phi; };
+  const double one = noise_from_differences(x, 1), two = noise_from_differences(x, 2);
+  if (one == 0) return {};
+  const double ratio = two * two / (one * one);
+  if (!(ratio > worth_it)) return {one, 0};
+  double low = 0, high = strongest;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (variance(middle * middle) / variance(middle) < ratio ? low : high) = middle;
+  }
+  return {one * std::sqrt(20 / variance(low)), low};
+}
+
+double neighbour_correlation(std::span<const double> x) {
+  double products = 0, squares = 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+    if (!std::isfinite(x[i]) || !std::isfinite(x[i + 1])) continue;
+    products += x[i] * x[i + 1];
+    squares += 0.5 * (x[i] * x[i] + x[i + 1] * x[i + 1]);
+    ++n;
+  }
+  if (n < 10 || squares == 0) return 0;
+  return std::clamp(products / squares, 0.0, 0.95);
+}
+
+void whiten(Eigen::Ref<Eigen::VectorXd> channel, double phi) {
+  const double gain = 1 / std::sqrt(1 - phi * phi);
+  for (Eigen::Index i = channel.size() - 1; i > 0; --i) channel[i] = (channel[i] - phi * channel[i - 1]) * gain;
+}
+
+double gaussian_log_likelihood(const Eigen::VectorXd& w, double scale) {
+  const double n = static_cast<double>(w.size());
+  return -0.5 * n * std::log(2 * std::numbers::pi * scale * scale) - 0.5 * w.squaredNorm() / (scale * scale);
+}
+
+}  // namespace repose::diagnosis

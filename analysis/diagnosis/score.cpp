@@ -1,0 +1,39 @@
+#include "analysis/diagnosis/score.hpp"
+
+#include <cmath>
+
+#include "analysis/two_samples.hpp"
+
+namespace repose::diagnosis {
+
+Score score_of(const Problem& problem, const Fit& fit) {
+  Score score;
+  score.runs = fit.runs;
+  std::map<std::string, std::pair<double, double>> squares;  // sum, count
+  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+    const std::size_t run = fit.runs[i];
+    score.per_run.push_back(gaussian_log_likelihood(fit.residual[i], 1));
+    score.log_likelihood += score.per_run.back();
+    const Eigen::VectorXd plain = problem.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
+    for (const Channel& c : problem.runs()[run].channels) {
+      auto& [sum, count] = squares[c.observable];
+      sum += (c.noise * plain.segment(c.first, static_cast<Eigen::Index>(c.time.size()))).squaredNorm();
+      count += static_cast<double>(c.time.size());
+    }
+  }
+  for (const auto& [name, square] : squares) score.rmse[name] = std::sqrt(square.first / std::max(1.0, square.second));
+  score.chi2_per_dof = fit.per_dof();
+  return score;
+}
+
+PairedGain paired_gain(const Score& nominal, const Score& extended) {
+  PairedGain gain;
+  if (nominal.per_run.size() < 2) return gain;
+  const MeanDifference d = paired_difference(extended.per_run, nominal.per_run);
+  const double n = static_cast<double>(nominal.per_run.size());
+  if (d.se > 0) gain.effect_size = d.value / (d.se * std::sqrt(n));
+  gain.p = d.value > 0 ? d.p / 2 : 1 - d.p / 2;
+  return gain;
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,30 @@
+#pragma once
+/// What a fit leaves on a set of runs, and whether a second one leaves less.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/fit.hpp"
+
+namespace repose::diagnosis {
+
+/// What a model leaves on a set of runs.
+struct Score {
+  std::vector<std::size_t> runs;           ///< of the problem
+  double chi2_per_dof = 0;
+  double log_likelihood = 0;               ///< nats, sum over samples, for the sensors' own noise
+  std::map<std::string, double> rmse;      ///< by observable, in its SI unit (orientation: rad)
+  std::vector<double> per_run;             ///< log likelihood of each run
+};
+
+/// `fit` has been fitted to (or, for held-out runs, its start values have been) fit.runs.
+Score score_of(const Problem& problem, const Fit& fit);
+
+/// The extended model against the nominal on the same runs, by their log likelihoods.
+struct PairedGain {
+  double p = 1;            ///< one-sided, paired t test over runs; 1 with fewer than two runs
+  double effect_size = 0;  ///< mean over standard deviation of the difference; 0 with fewer than two runs
+};
+PairedGain paired_gain(const Score& nominal, const Score& extended);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "analysis/diagnosis/problem.hpp"
+#include "core/yaml_tree.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr int early_samples = 10;
+
+Vec3 rotation_vector(const Quat& q) {
+  const Eigen::AngleAxisd turn(q.w() < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q);
+  return turn.angle() * turn.axis();
+}
+
+/// Value and slope at time 0 of a parabola through the first samples; their standard errors for unit noise.
+struct Early {
+  bool seen = false;
+  double value = 0, slope = 0, value_se = 1, slope_se = 1;
+};
+
+Early early(const std::vector<double>& time, const std::vector<double>& value) {
+  std::vector<double> t, x;
+  for (std::size_t i = 0; i < time.size() && t.size() < early_samples; ++i)
+    if (std::isfinite(value[i]) && time[i] >= 0) {
+      t.push_back(time[i]);
+      x.push_back(value[i]);
+    }
+  if (t.size() < 2) return {};
+  const Eigen::Index n = static_cast<Eigen::Index>(t.size()), order = n >= 5 ? 3 : 2;
+  Eigen::MatrixXd basis(n, order);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < order; ++k) basis(i, k) = std::pow(t[static_cast<std::size_t>(i)], static_cast<double>(k));
+  const Eigen::VectorXd data = Eigen::Map<const Eigen::VectorXd>(x.data(), n);
+  const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(data);
+  const Eigen::MatrixXd covariance = (basis.transpose() * basis).inverse();
+  return {true, fit[0], fit[1], std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1))};
+}
+
+struct Seen {
+  Early position[3], turn[3];
+  std::optional<Quat> orientation;
+};
+
+Seen look_at(const Observation& o) {
+  Seen seen;
+  for (int k = 0; k < 3; ++k) {
+    std::vector<double> x;
+    for (const Vec3& p : o.position) x.push_back(p[k]);
+    seen.position[k] = early(o.time, x);
+  }
+  const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
+  if (first == o.orientation.end()) return seen;
+  std::vector<double> turns[3];
+  for (const Quat& q : o.orientation) {
+    const Vec3 turn = std::isfinite(q.w()) ? rotation_vector(q * first->conjugate()) : Vec3::Constant(NAN);
+    for (int k = 0; k < 3; ++k) turns[k].push_back(turn[k]);
+  }
+  Vec3 at_zero = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    seen.turn[k] = early(o.time, turns[k]);
+    at_zero[k] = seen.turn[k].value;
+  }
+  seen.orientation = rotation_of(at_zero) * *first;
+  return seen;
+}
+
+}  // namespace
+
+std::vector<Parameter> start_values(const BundleRun& run, const Scene& scene, const std::map<std::string, double>& noise) {
+  std::vector<Parameter> result;
+  const auto sd = [&](const char* name) {
+    const auto found = noise.find(name);
+    return found == noise.end() || found->second == 0 ? 1e-4 : found->second;
+  };
+  for (const SceneBody& body : scene.bodies) {
+    const Observation* observed = nullptr;
+    for (const Observation& o : run.observations)
+      if (o.kind == ObservableKind::trajectory && o.body == body.name) observed = &o;
+    const Seen seen = observed != nullptr ? look_at(*observed) : Seen{};
+    const auto add = [&](const std::string& what, Parameter::Use use, int k, double start, double uncertainty) {
+      Parameter p;
+      p.use = use;
+      p.key = "bodies." + body.name + "." + what;
+      p.component = k;
+      p.start = p.null = start;
+      p.step = 0.5 * uncertainty;
+      result.push_back(p);
+    };
+    for (const std::string& key : run.free) {
+      const auto is = [&](const char* what) { return key == "bodies." + body.name + "." + what; };
+      for (int k = 0; k < 3; ++k) {
+        const Early& x = seen.position[k];
+        const Early& turn = seen.turn[k];
+        if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, sd("position") * x.value_se);
+        if (is("velocity") && x.seen) add("velocity", Parameter::Use::scene, k, x.slope, sd("position") * x.slope_se);
+        if (is("orientation") && seen.orientation) add("orientation", Parameter::Use::turn, k, 0, sd("orientation") * turn.value_se);
+        if (is("angular_velocity") && seen.orientation)
+          add("angular_velocity", Parameter::Use::scene, k, turn.slope, sd("orientation") * turn.slope_se);
+        // Seen through a series only: from where the scene starts.
+        if (is("velocity") && observed == nullptr) add("velocity", Parameter::Use::scene, k, body.velocity[k], 0.02);
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,90 @@
+#include "analysis/diagnosis/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace repose::diagnosis {
+namespace {
+
+bool all_of_site(const Evidence& e, EffectSite site) {
+  return !e.sites.empty() && std::all_of(e.sites.begin(), e.sites.end(), [&](EffectSite s) { return s == site; });
+}
+
+std::string word_of(const Evidence& best) {
+  if (best.effects.empty()) return "none";
+  if (all_of_site(best, EffectSite::numerics)) return "numerics";
+  for (const EffectSite site : best.sites)
+    if (site != EffectSite::measurement && site != EffectSite::numerics) return "missing";
+  return "measurement";
+}
+
+}  // namespace
+
+Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, double explained) {
+  Verdict verdict;
+  const bool fits = lack_of_fit_p > level;
+  std::vector<double> score;
+  const auto worth = [&](const Evidence& e, double temper) {
+    return (e.held_out - evidence[0].held_out) / temper - cost_of_parameter * e.parameters -
+           cost_of_effect * static_cast<double>(e.effects.size());
+  };
+  const auto temper_of = [&](const Evidence& e) { return std::max(1.0, e.lack_of_fit * e.lack_of_fit); };
+  double temper = 1;
+  for (int pass = 0; pass < 2; ++pass) {
+    score.clear();
+    for (const Evidence& e : evidence) score.push_back(worth(e, temper));
+    const auto best = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
+    verdict.best = static_cast<int>(best);
+    temper = temper_of(evidence[best]);
+  }
+  // Without a lack of fit nothing is missing: at best the prior odds of the level are against it.
+  if (fits) verdict.best = 0;
+  const bool unknown = !fits && (verdict.best == 0 || (remaining_p <= level && explained < least_explained));
+
+  const double top = *std::max_element(score.begin(), score.end());
+  double total = 0;
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    double p = std::exp(score[i] - top);
+    if (fits && i > 0) p *= level;
+    if (fits && i == 0) p = 1;
+    if (!fits && i == 0) p = std::min(p, lack_of_fit_p);
+    verdict.ranked.push_back({evidence[i].effects, p, evidence[i].held_out, static_cast<int>(i)});
+    total += p;
+  }
+  // What is left over after the best speaks for something outside the library.
+  const double for_unknown = unknown ? std::max(1.0, 9 * total) : fits ? level * total : std::max(0.01, remaining_p <= level ? 1 - explained : 0.01) * total;
+  verdict.ranked.push_back({{"unknown"}, for_unknown, 0, -1});
+  total += for_unknown;
+  for (Ranked& r : verdict.ranked) r.probability /= total;
+  std::stable_sort(verdict.ranked.begin(), verdict.ranked.end(), [](const Ranked& a, const Ranked& b) { return a.probability > b.probability; });
+
+  if (unknown) {
+    verdict.word = "unknown";
+    return verdict;
+  }
+  verdict.word = word_of(evidence[static_cast<std::size_t>(verdict.best)]);
+  if (verdict.best == 0) return verdict;
+  std::vector<std::string> others;
+  const Evidence& best = evidence[static_cast<std::size_t>(verdict.best)];
+  for (std::size_t i = 1; i < evidence.size(); ++i) {
+    if (static_cast<int>(i) == verdict.best || score[static_cast<std::size_t>(verdict.best)] - score[i] > indistinguishable_within) continue;
+    // Only rivals of the same size: a pair that holds the best is no rival.
+    if (evidence[i].effects.size() != best.effects.size()) continue;
+    for (const std::string& name : evidence[i].effects)
+      if (std::find(best.effects.begin(), best.effects.end(), name) == best.effects.end() &&
+          std::find(others.begin(), others.end(), name) == others.end())
+        others.push_back(name);
+  }
+  if (!others.empty()) {
+    std::vector<std::string> group;
+    for (const std::string& name : best.effects)
+      if (group.empty()) group.push_back(name);
+    for (const std::string& name : others)
+      if (group.size() < 3) group.push_back(name);
+    verdict.indistinguishable.push_back(group);
+    verdict.word = "ambiguous";
+  }
+  return verdict;
+}
+
+}  // namespace repose::diagnosis

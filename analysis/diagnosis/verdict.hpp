@@ -1,0 +1,47 @@
+#pragma once
+/// From held-out likelihoods to a verdict. Thresholds are constants of this file, the same for every recording.
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/hypothesis.hpp"
+
+namespace repose::diagnosis {
+
+/// One fitted hypothesis as the verdict sees it.
+struct Evidence {
+  std::vector<std::string> effects;   ///< none: nominal
+  std::vector<EffectSite> sites;
+  double held_out = 0;                ///< log likelihood [nats]
+  double train_gain = 0;              ///< over the nominal: twice the log likelihood ratio
+  int parameters = 0;                 ///< beyond the nominal's
+  double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
+};
+
+struct Ranked {
+  std::vector<std::string> effects;   ///< {"unknown"}: something outside the library
+  double probability = 0;
+  double held_out = 0;
+  int model = -1;                     ///< index into the evidence
+};
+
+struct Verdict {
+  std::string word;                   ///< missing, none, unknown, ambiguous, measurement, numerics
+  std::vector<Ranked> ranked;         ///< sums to 1; always has {} and {"unknown"}
+  std::vector<std::vector<std::string>> indistinguishable;
+  int best = 0;                       ///< index into the evidence
+};
+
+/// Nats that one more parameter costs, and one more effect.
+inline constexpr double cost_of_parameter = 1.0, cost_of_effect = 2.0;
+/// Candidates closer than this to the best [nats, after the tempering of judge()] cannot be told apart.
+inline constexpr double indistinguishable_within = 3.0;
+/// Below this share of what was left over, the best candidate has not explained it.
+inline constexpr double least_explained = 0.5;
+inline constexpr double level = 0.01;  ///< of the lack of fit
+
+/// `evidence[0]` is the nominal. Log likelihoods are divided by the square of the best model's scale (a model that leaves residuals
+/// of twice the noise has a quarter of the evidence). `lack_of_fit_p` above `level`: none, whatever fits better by chance.
+/// `remaining_p`: lack of fit of the best model; `explained`: share of the nominal's excess chi^2 that it removes.
+Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, double explained);
+
+}  // namespace repose::diagnosis

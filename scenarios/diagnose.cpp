@@ -1,0 +1,97 @@
+/// repose diagnose BUNDLE: where simulation and recordings differ, what physics was left out, and whether it helps.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+
+#include "analysis/bundle/read_bundle.hpp"
+#include "analysis/diagnosis/diagnose.hpp"
+#include "backends/backends.hpp"
+#include "core/error.hpp"
+#include "core/recording.hpp"
+#include "scenarios/command_line.hpp"
+#include "scenarios/diagnosis_json.hpp"
+#include "scenarios/diagnosis_report.hpp"
+#include "scenarios/history.hpp"
+#include "scenarios/interrupt.hpp"
+#include "scenarios/progress.hpp"
+#include "scenarios/version.hpp"
+
+namespace {
+
+using namespace repose;
+
+struct Own {
+  std::string root;
+  int runs = 8, held_out = 8, replicas = 499;
+};
+
+int run(const Options& options, const Own& own) {
+  const Bundle bundle = read_bundle(options.file, own.root, options.overrides);
+  std::error_code ignored;
+  std::filesystem::create_directories(options.out, ignored);
+  std::filesystem::remove(options.out / "diagnosis.json", ignored);
+  ProgressDisplay display(options.quiet);
+  for (const std::string& warning : bundle.warnings) display.message("warning: " + warning);
+
+  diagnosis::DiagnoseOptions how;
+  how.threads = options.threads;
+  how.seed = options.seed;
+  how.max_train_runs = own.runs;
+  how.max_held_out_runs = own.held_out;
+  how.replicas = own.replicas;
+  how.interrupted = interrupted;
+  const auto begun = std::chrono::steady_clock::now();
+  auto stage_begun = begun;
+  std::string stage_now;
+  how.progress = [&](const std::string& stage, double done, double total) {
+    const auto now = std::chrono::steady_clock::now();
+    if (stage != stage_now) stage_now = stage, stage_begun = now;
+    const double spent = std::chrono::duration<double>(now - stage_begun).count();
+    display.show(done, total, done > 0 ? spent * (total - done) / done : 0, stage);
+  };
+  const diagnosis::Diagnosis found = diagnosis::diagnose(bundle, simulate_with(find_backend(options.backend), options.allow_unsupported), how);
+
+  nlohmann::json result = diagnosis_json(found);
+  result["scenario"] = "diagnose";
+  result["backend"] = options.backend;
+  result["seed"] = options.seed;
+  result["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  result["version"] = version();
+  result["commit"] = commit();
+  result["complete"] = !found.interrupted;
+  write_atomically(options.out / "extended.yaml", found.extended_scene);
+  write_atomically(options.out / "report.html", report::to_html(diagnosis_report(found, bundle)));
+  if (found.interrupted) {
+    write_atomically(options.out / "partial.json", result.dump(2));
+    fmt::print(stderr, "interrupted; what was found so far is in {} and report.html\n", (options.out / "partial.json").string());
+    return exit_status::interrupted;
+  }
+  write_atomically(options.out / "diagnosis.json", result.dump(2));
+  fmt::print("{}\n\nverdict  {}\n", result["headline"].get<std::string>(), found.verdict.word);
+  for (const auto& r : found.verdict.ranked)
+    fmt::print("  {:5.1f} %  {}\n", 100 * r.probability, r.effects.empty() ? "nothing missing" : fmt::format("{}", fmt::join(r.effects, " + ")));
+  for (const auto& [what, file] : {std::pair{"report", "report.html"}, {"scene", "extended.yaml"}, {"result", "diagnosis.json"}})
+    fmt::print("{:<9}{}\n", what, (options.out / file).string());
+  return exit_status::done;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CommandInfo info;
+  info.name = "diagnose";
+  info.summary =
+      "Compares recordings with the scene that should explain them: locates the mismatch, names the physics that was left out, models it, and shows the fit on "
+      "recordings that were not used.";
+  info.example = "repose record scenarios/configs/concealed_roll.yaml --out out/rolls\n  repose diagnose out/rolls";
+  info.file = "BUNDLE";
+  info.file_required = true;
+  Own own;
+  return run_command(argc, argv, info, [&](const Options& options) { return run(options, own); }, [&](CLI::App& app) {
+    app.add_option("--root", own.root, "where the CSV files lie (default: beside recording.yaml)")->type_name("DIR");
+    app.add_option("--runs", own.runs, "at most so many runs are fitted (default 8)")->type_name("N")->check(CLI::Range(1, 10000));
+    app.add_option("--held-out-runs", own.held_out, "at most so many held-out runs are judged (default 8)")->type_name("N")->check(CLI::Range(1, 10000));
+    app.add_option("--replicas", own.replicas, "of noise, for p values (default 499)")->type_name("N")->check(CLI::Range(99, 100000));
+  });
+}
