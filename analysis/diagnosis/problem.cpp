@@ -13,6 +13,8 @@
 namespace repose::diagnosis {
 namespace {
 
+constexpr double resolution = 1e-4;  // of an observable's range: less noise than that is taken for a number that was not disturbed
+constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
 constexpr double failed = 1e3;  // residual of a simulation that ended in failure: far from every sensible one
 
 Vec3 rotation_vector(const Quat& q) {
@@ -107,11 +109,20 @@ Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Sim
     calibrated_.push_back(p);
   }
   for (const std::size_t index : runs) add_run(index);
+  add_numerics();
 }
 
 void Problem::find_noise(const std::vector<std::size_t>& runs) {
   std::map<std::string, std::vector<NoiseModel>> found;
+  std::map<std::string, double> ranges;
+  const auto widen = [&](const std::string& name, const std::vector<double>& samples) {
+    double low = INFINITY, high = -INFINITY;
+    for (const double x : samples)
+      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+    if (high > low) ranges[name] = std::max(ranges[name], high - low);
+  };
   const auto add = [&](const std::string& name, const std::vector<double>& samples) {
+    widen(name, samples);
     if (const NoiseModel noise = noise_model(samples); noise.sd > 0) found[name].push_back(noise);
   };
   for (const std::size_t index : runs)
@@ -134,6 +145,35 @@ void Problem::find_noise(const std::vector<std::size_t>& runs) {
     noise_[name].phi = middle->phi;
   }
   for (const auto& [name, sd] : bundle_.noise) noise_[name].sd = sd;
+  for (auto& [name, range] : ranges) {
+    NoiseModel& noise = noise_[name];
+    if (noise.sd < resolution * range) noise = {resolution * range, 0};
+  }
+}
+
+void Problem::add_numerics() {
+  std::map<std::string, std::vector<double>> errors;  // by observable, of each run: rms in units of the noise
+  Layout coarse = layout({}), fine = coarse;
+  fine.step_factor = 0.5;
+  Values shared(static_cast<Eigen::Index>(coarse.shared.size()));
+  for (Eigen::Index i = 0; i < shared.size(); ++i) shared[i] = coarse.shared[static_cast<std::size_t>(i)].start;
+  for (std::size_t run = 0; run < runs_.size(); ++run) {
+    Values own(static_cast<Eigen::Index>(runs_[run].start.size()));
+    for (Eigen::Index i = 0; i < own.size(); ++i) own[i] = runs_[run].start[static_cast<std::size_t>(i)].start;
+    const Eigen::VectorXd d = plain_residual(coarse, run, shared, own) - plain_residual(fine, run, shared, own);
+    for (const Channel& c : runs_[run].channels)
+      if (!c.time.empty())
+        errors[c.observable].push_back(d.segment(c.first, static_cast<Eigen::Index>(c.time.size())).norm() / std::sqrt(static_cast<double>(c.time.size())));
+  }
+  for (auto& [name, list] : errors) {
+    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), middle, list.end());
+    const double grown = std::sqrt(1 + std::min(*middle, largest_numerics) * std::min(*middle, largest_numerics));
+    noise_[name].sd *= grown;
+  }
+  for (RunData& data : runs_)
+    for (Channel& c : data.channels) c.noise = noise_.at(c.observable).sd;
+  cache_.clear();
 }
 
 void Problem::set_up_channels(RunData& data) const {

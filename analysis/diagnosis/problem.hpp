@@ -74,7 +74,7 @@ class Problem {
   /// As residual(), not whitened.
   Eigen::VectorXd plain_residual(const Layout& layout, std::size_t run, const Values& shared, const Values& own,
                                  const std::vector<WindowLoad>& loads = {}) const;
-  /// Noise by observable, as used.
+  /// Noise by observable, as used: of the sensor, at least 1e-4 of the observable's range, and of the time step.
   const std::map<std::string, NoiseModel>& noise() const { return noise_; }
 
  private:
@@ -82,6 +82,8 @@ class Problem {
   void set_up_channels(RunData& data) const;
   void find_horizon(std::size_t run);
   void find_noise(const std::vector<std::size_t>& runs);
+  /// Adds to the noise (in squares) how far runs at h and h/2 part: the step must not pass for physics.
+  void add_numerics();
 
   const Bundle& bundle_;
   Simulate simulate_;
