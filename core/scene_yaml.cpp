@@ -73,7 +73,7 @@ void read_solver(const YamlReader& block, Scene& scene) {
 }
 
 void check_record(const YamlReader& block) {
-  block.only({"rate", "noise", "dropouts", "observables", "runs", "free", "calibrate"});
+  block.only({"rate", "noise", "dropouts", "observables", "runs", "conceal", "free", "calibrate"});
   if (block.has("rate")) block.at("rate").number(positive(dimension::frequency));
 }
 

@@ -69,6 +69,7 @@ int record(const Options& options) {
     if (sd > 0) bundle.noise[name] = sd;
   for (std::size_t i = 0; i < block.runs.size(); ++i) {
     std::vector<Override> changes = options.overrides;
+    changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
     changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
     const Prepared prepared = prepare(load_scene(options.file, changes), options);
     bundle.runs.push_back(record_run(prepared, block, block.runs[i], options, options.seed + i));

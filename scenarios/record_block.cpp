@@ -71,6 +71,13 @@ std::vector<std::string> texts(const YamlReader& reader) {
   return result;
 }
 
+std::vector<Override> read_changes(const YamlReader& block) {
+  std::vector<Override> changes;
+  if (block.node().kind != YamlNode::Kind::map) block.fail("expected a map of scene keys", "write `{key.path: value}`");
+  for (const YamlEntry& entry : block.node().entries) changes.push_back({entry.key, emit_yaml(entry.value)});
+  return changes;
+}
+
 void read_runs(const YamlReader& block, RecordBlock& record) {
   std::set<std::string> ids;
   for (const YamlReader& item : block.items()) {
@@ -80,12 +87,7 @@ void read_runs(const YamlReader& block, RecordBlock& record) {
       item.at("id").fail("not a name for a file", "use letters, digits, `-`");
     if (!ids.insert(run.id).second)
       item.at("id").fail(fmt::format("run `{}` is there twice", run.id), "give each run an id of its own");
-    if (item.has("set")) {
-      if (item.at("set").node().kind != YamlNode::Kind::map)
-        item.at("set").fail("expected a map of scene keys", "write `{key.path: value}`");
-      for (const YamlEntry& entry : item.at("set").node().entries)
-        run.set.push_back({entry.key, emit_yaml(entry.value)});
-    }
+    if (item.has("set")) run.set = read_changes(item.at("set"));
     record.runs.push_back(std::move(run));
   }
 }
@@ -120,6 +122,7 @@ RecordBlock read_record_block(const Scene& scene, const std::string& name) {
         record.observables.push_back(read_observable(entry, scene));
     read_sensor(block, record);
     if (block.has("runs")) read_runs(block.at("runs"), record);
+    if (block.has("conceal")) record.conceal = read_changes(block.at("conceal"));
     if (block.has("free")) record.free = texts(block.at("free"));
     if (block.has("calibrate")) record.calibrate = texts(block.at("calibrate"));
   }

@@ -10,6 +10,7 @@
 ///       - {kind: series, name: specific_force, body: ball, axis: [0, 0, 1], unit: m/s^2}
 ///       - {kind: profile, name: heap}
 ///     runs: [{id: slow, set: {bodies.ball.velocity: [1, 0, 0]}}]   # default: one run, run-01
+///     conceal: {pairs.pa12-steel.rolling_friction: 0.1}   # true of the recorded world, absent from the bundle's scene
 ///     free: [bodies.ball.velocity]                 # handed on to every run
 ///     calibrate: [pairs.pa12-steel.friction]       # handed on
 #include <string>
@@ -29,6 +30,7 @@ struct RecordBlock {
   SensorModel sensor;
   std::vector<Observation> observables;  ///< without samples
   std::vector<RecordedRun> runs;
+  std::vector<Override> conceal;         ///< scene keys of the recorded world that the bundle's scene does not have
   std::vector<std::string> free, calibrate;
   std::string scene_without_record;  ///< YAML
 };

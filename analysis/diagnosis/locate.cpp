@@ -9,6 +9,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double significant = 0.01;
+constexpr double visible = 1;         // sigma: a component whose whole weight moves the record by less cannot be estimated
 constexpr double trial_share = 0.02;  // of a body's weight: small against what matters, large against rounding
 
 double gravity_scale(const History& history) {
@@ -158,7 +159,10 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
       const RunJacobian j = jacobian(problem, fit, run);
       Eigen::MatrixXd a(size, all.cols() + j.own.cols());
       a << all, j.own;
-      Eigen::VectorXd column_size = a.colwise().norm().cwiseMax(1e-12);
+      for (Eigen::Index c = 0; c < all.cols(); ++c)
+        if (a.col(c).norm() < visible) a.col(c).setZero();
+      Eigen::VectorXd column_size = a.colwise().norm().transpose();
+      for (double& size_of : column_size) size_of = size_of > 0 ? size_of : 1;
       Eigen::MatrixXd scaled = a * column_size.cwiseInverse().asDiagonal();
       Eigen::MatrixXd normal = scaled.transpose() * scaled;
       normal.diagonal().array() += 1e-6;
@@ -168,7 +172,7 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
         for (int k = 0; k < 3; ++k) {
           const auto c = static_cast<Eigen::Index>(3 * n) + k;
           entries[of_run[n]].force[k] = weight * solution[c];
-          entries[of_run[n]].force_se[k] = weight * std::sqrt(inverse(c, c)) / column_size[c];
+          entries[of_run[n]].force_se[k] = a.col(c).isZero(0) ? weight : weight * std::sqrt(inverse(c, c)) / column_size[c];
         }
     }
   }
