@@ -147,6 +147,16 @@ YamlNode parse_yaml(const std::string& text, const std::string& name) {
   }
 }
 
+const YamlNode* node_at(const YamlNode& root, const std::string& path) {
+  const YamlNode* node = &root;
+  for (std::size_t from = 0; node != nullptr && from <= path.size();) {
+    const std::size_t dot = std::min(path.find('.', from), path.size());
+    node = node->find(path.substr(from, dot - from));
+    from = dot + 1;
+  }
+  return node;
+}
+
 void set_path(YamlNode& root, const std::string& path, const std::string& value) {
   const std::string place = "--set " + path;
   const std::vector<std::string> parts = split_path(path);

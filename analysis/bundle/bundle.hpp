@@ -35,11 +35,13 @@ struct Observation {
   double scalar = 0, sd = 0;     ///< scalar, and its standard deviation (0: not given), in `unit`
 };
 
+/// One run, or one window of it: then several with the same id.
 struct BundleRun {
   std::string id;
   std::vector<Override> set;      ///< scene keys that differ in this run
   std::vector<std::string> free;  ///< start values (scene keys) to be estimated from the run itself
   bool held_out = false;
+  double from = 0;  ///< [s] on the recording's clock: the run begins there, and times below count from it
   std::vector<Observation> observations;
 };
 

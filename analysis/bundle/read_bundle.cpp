@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <set>
 
+#include "analysis/bundle/windows.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
@@ -26,18 +29,6 @@ fs::path recording_file(const fs::path& path) {
   return file;
 }
 
-/// The value under `path` of the scene as the user wrote it; nullptr if it is not there.
-const YamlNode* node_at(const YamlNode& root, const std::string& path) {
-  const YamlNode* node = &root;
-  std::size_t from = 0;
-  while (node != nullptr && from <= path.size()) {
-    const std::size_t dot = std::min(path.find('.', from), path.size());
-    node = node->find(path.substr(from, dot - from));
-    from = dot + 1;
-  }
-  return node;
-}
-
 /// A key whose value is a number or a list of numbers, in a named part of the scene that exists.
 void check_key(const YamlReader& reader, const std::string& key, const std::string& text, const YamlNode& tree,
                const std::string& scene_file) {
@@ -51,6 +42,14 @@ void check_key(const YamlReader& reader, const std::string& key, const std::stri
   }
 }
 
+/// What stands at a start value that the scene leaves out: a vector, an orientation, or one component of a vector
+/// (`bodies.ball.velocity.2`).
+std::string start_text(const std::string& key) {
+  if (key.ends_with(".orientation")) return "[1, 0, 0, 0]";
+  const bool component = key.size() > 2 && key[key.size() - 2] == '.' && key.back() >= '0' && key.back() <= '2';
+  return component ? "0" : "[0, 0, 0]";
+}
+
 class BundleReader {
  public:
   BundleReader(const fs::path& file, const fs::path& root, const std::vector<Override>& overrides)
@@ -62,7 +61,7 @@ class BundleReader {
       throw Error("--root " + root_.string(), "no such folder", "name the folder of the CSV files");
     const YamlNode tree = parse_yaml(read_bytes(file_), file_.string());
     const YamlReader top(tree, file_.string());
-    top.only({"title", "source", "licence", "scene", "calibrate", "noise", "runs"});
+    top.only({"title", "source", "licence", "scene", "calibrate", "noise", "windows", "runs"});
     if (top.has("title")) bundle_.title = top.at("title").text();
     if (top.has("source")) bundle_.source = top.at("source").text();
     if (top.has("licence")) bundle_.licence = top.at("licence").text();
@@ -72,6 +71,7 @@ class BundleReader {
         bundle_.calibrate.push_back(item.text());
         check_key(item, item.text(), "0.1", scene_tree_, bundle_.scene_file.string());
       }
+    if (top.has("windows")) windows_ = top.at("windows").number(positive(dimension::time));
     const std::vector<YamlReader> runs = top.at("runs").items();
     if (runs.empty()) top.at("runs").fail("no runs", "a bundle holds one run at least");
     std::set<std::string> ids;
@@ -81,6 +81,7 @@ class BundleReader {
         std::all_of(bundle_.runs.begin(), bundle_.runs.end(), [](const BundleRun& r) { return r.held_out; }))
       top.at("runs").fail("every run is held out: nothing is left to fit", "set `held_out: false` for some");
     for (std::string& doubt : doubts_of(bundle_)) bundle_.warnings.push_back(std::move(doubt));
+    if (windows_) part_runs();
     return std::move(bundle_);
   }
 
@@ -100,7 +101,7 @@ class BundleReader {
   }
 
   void read_run(const YamlReader& reader, std::set<std::string>& ids) {
-    reader.only({"id", "set", "free", "held_out", "observables"});
+    reader.only({"id", "set", "free", "held_out", "from", "until", "observables"});
     BundleRun run;
     run.id = reader.at("id").text();
     if (!ids.insert(run.id).second)
@@ -129,7 +130,7 @@ class BundleReader {
     if (reader.has("free"))
       for (const YamlReader& item : reader.at("free").items()) {
         run.free.push_back(item.text());
-        check_key(item, item.text(), "[0, 0, 0]", tree, bundle_.scene_file.string());
+        check_key(item, item.text(), start_text(item.text()), tree, bundle_.scene_file.string());
       }
     if (reader.has("held_out")) {
       run.held_out = reader.at("held_out").flag();
@@ -138,7 +139,34 @@ class BundleReader {
     const std::vector<YamlReader> observables = reader.at("observables").items();
     if (observables.empty()) reader.at("observables").fail("a run without observables", "leave the run out");
     for (const YamlReader& entry : observables) run.observations.push_back(read_observation(entry, root_, scene));
+    if (reader.has("from") || reader.has("until")) read_window(reader, run);
+    if (windows_ && run.free.empty())
+      reader.fail("`windows` begin anew, but this run has no `free` start values", "name its start values in `free`");
     bundle_.runs.push_back(std::move(run));
+  }
+
+  void part_runs() {
+    std::vector<BundleRun> whole;
+    whole.swap(bundle_.runs);
+    for (const BundleRun& run : whole)
+      for (BundleRun& window : in_windows(run, *windows_)) bundle_.runs.push_back(std::move(window));
+  }
+
+  /// The part of the run that counts: samples outside it are dropped, and the scene's time 0 is its beginning.
+  static void read_window(const YamlReader& reader, BundleRun& run) {
+    if (reader.has("from")) run.from = reader.at("from").number(any(dimension::time));
+    const double until =
+        reader.has("until") ? reader.at("until").number(any(dimension::time)) : std::numeric_limits<double>::infinity();
+    const YamlReader last = reader.at(reader.has("until") ? "until" : "from");
+    if (!(until > run.from))
+      last.fail(fmt::format("a window from {} s until {} s", run.from, until), "let `until` be later than `from`");
+    for (Observation& o : run.observations) {
+      if (o.kind != ObservableKind::trajectory && o.kind != ObservableKind::series) continue;
+      cut(o, run.from, until);
+      if (o.time.size() < 2)
+        last.fail(fmt::format("{} holds {} samples between {} s and {} s", o.file, o.time.size(), run.from, until),
+                  "choose a window with two samples at least");
+    }
   }
 
   /// Noise of names that the runs have.
@@ -159,6 +187,7 @@ class BundleReader {
   const fs::path file_, root_;
   const std::vector<Override>& overrides_;
   Bundle bundle_;
+  std::optional<double> windows_;  // [s]
   YamlNode scene_tree_;
 };
 

@@ -14,13 +14,17 @@ namespace repose {
 /// `overrides` change the nominal scene. Throws Error naming file, line and key or column for: missing files, unknown
 /// keys (with the nearest), runs of the same id, bodies that the scene does not have, scene keys that it refuses, times
 /// that do not ascend, numbers that are not finite, quaternions off unit length by more than 1 %, an observation
-/// without two samples, doubtful observable names. What is doubtful but possible is a warning of the bundle.
+/// without two samples (in all, or in the window `from` <= time <= `until` of its run, both optional and on the
+/// recording's clock), doubtful observable names. What is doubtful but possible is a warning of the bundle.
 Bundle read_bundle(const std::filesystem::path& path, const std::filesystem::path& root = {},
                    const std::vector<Override>& overrides = {});
 
 /// One entry of `observables`, with its CSV file below `root`. `scene`: names the bodies. A wholly empty column is an
 /// axis that was not observed.
 Observation read_observation(const YamlReader& entry, const std::filesystem::path& root, const Scene& scene);
+
+/// Drops the samples of a trajectory or a series outside from <= time <= until [s]; times then count from `from`.
+void cut(Observation& observation, double from, double until);
 
 /// Names with a meaning; other series are kept, but nothing simulated can be compared with them.
 const std::vector<std::string>& reserved_series();

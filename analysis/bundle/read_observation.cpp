@@ -165,6 +165,22 @@ const std::vector<std::string>& reserved_series() {
   return names;
 }
 
+void cut(Observation& o, double from, double until) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < o.time.size(); ++i) {
+    if (o.time[i] < from || o.time[i] > until) continue;
+    o.time[kept] = o.time[i] - from;
+    if (!o.position.empty()) o.position[kept] = o.position[i];
+    if (!o.orientation.empty()) o.orientation[kept] = o.orientation[i];
+    if (!o.value.empty()) o.value[kept] = o.value[i];
+    ++kept;
+  }
+  o.time.resize(kept);
+  o.position.resize(std::min(kept, o.position.size()));
+  o.orientation.resize(std::min(kept, o.orientation.size()));
+  o.value.resize(std::min(kept, o.value.size()));
+}
+
 Observation read_observation(const YamlReader& entry, const std::filesystem::path& root, const Scene& scene) {
   Observation o;
   o.kind =

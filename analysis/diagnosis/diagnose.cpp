@@ -131,7 +131,7 @@ class Diagnosing {
         if (!o.time.empty()) end = std::max(end, o.time.back());
       if (data.horizon < end)
         result_.notes.push_back(fmt::format("Run {} is compared up to {:.3g} s of {:.3g} s: beyond it the noise of its start no longer acts linearly.",
-                                            data.run->id, data.horizon, end));
+                                            data.run->id, data.run->from + data.horizon, data.run->from + end));
     }
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
   }
@@ -361,6 +361,7 @@ class Diagnosing {
     result_.effect_size = gain.effect_size;
     suggest();
     keep_residuals();
+    tell_recorded_times();
     result_.extended_scene = emit_yaml(problem_.extended_scene(best.fit.layout, best.fit.shared));
     result_.simulations = problem_.simulations();
   }
@@ -391,6 +392,7 @@ class Diagnosing {
           const auto n = static_cast<Eigen::Index>(c.time.size());
           if (n == 0) continue;
           ResidualSample s{result_.run_ids[run], c.observable, c.time, {}, {}};
+          for (double& t : s.time) t += problem_.runs()[run].run->from;
           if (c.observable == "position") s.channel += std::string(" ") + "xyz"[c.axis];
           if (c.observable == "orientation") s.channel += std::string(" about ") + "xyz"[c.axis];
           if (!c.body.empty()) s.channel = c.body + ": " + s.channel;
@@ -402,6 +404,15 @@ class Diagnosing {
     };
     if (!held_.empty()) keep(nominal.held_fit, best.held_fit);
     keep(nominal.fit, best.fit);
+  }
+
+  /// Simulated time begins where a run does; what is told is on the recording's own clock.
+  void tell_recorded_times() {
+    for (Located& l : result_.where) {
+      const double from = problem_.runs()[l.run].run->from;
+      l.segment.from += from;
+      l.segment.to += from;
+    }
   }
 
   DiagnoseOptions options_;

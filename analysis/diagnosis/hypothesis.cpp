@@ -14,16 +14,6 @@ namespace {
 
 constexpr double difference = 1e-3;  // of a parameter's range or value: simulations are exact to far less
 
-const YamlNode* find_path(const YamlNode& root, const std::string& path) {
-  const YamlNode* node = &root;
-  for (std::size_t from = 0; node != nullptr && from <= path.size();) {
-    const std::size_t dot = std::min(path.find('.', from), path.size());
-    node = node->find(path.substr(from, dot - from));
-    from = dot + 1;
-  }
-  return node;
-}
-
 /// A finite value to begin from: the one that does nothing, or just inside the bounds.
 double first_value(const EffectParameter& p, const EffectBounds& bounds) {
   if (std::isfinite(bounds.nominal) && bounds.nominal >= bounds.lower && bounds.nominal <= bounds.upper) return bounds.nominal;
@@ -142,7 +132,7 @@ std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::stri
       for (const EffectParameter& p : row.parameters) {
         if (p.key.empty()) continue;
         const std::string key = key_at(p, place);
-        const YamlNode* present = find_path(tree, key);
+        const YamlNode* present = node_at(tree, key);
         stated = stated || (present != nullptr && !(present->text == "0" || present->text == "0.0")) ||
                  std::find(calibrated.begin(), calibrated.end(), key) != calibrated.end();
       }

@@ -60,12 +60,9 @@ void put(YamlNode& tree, const std::vector<Parameter>& parameters, const Values&
         set_path(tree, p.key, fmt::format("{}", v));
         continue;
       }
-      try {
-        set_path(tree, fmt::format("{}.{}", p.key, p.component), fmt::format("{}", v));
-      } catch (const Error&) {  // the vector is not written out in the scene
-        set_path(tree, p.key, "[0, 0, 0]");
-        set_path(tree, fmt::format("{}.{}", p.key, p.component), fmt::format("{}", v));
-      }
+      if (const YamlNode* vector = node_at(tree, p.key); vector == nullptr || vector->kind != YamlNode::Kind::sequence)
+        set_path(tree, p.key, "[0, 0, 0]");  // not written out in the scene
+      set_path(tree, fmt::format("{}.{}", p.key, p.component), fmt::format("{}", v));
     } else if (p.use == Parameter::Use::turn && p.component == 0) {
       const Vec3 w(v, values[static_cast<Eigen::Index>(i) + 1], values[static_cast<Eigen::Index>(i) + 2]);
       const Quat q = (rotation_of(w) * start_orientation.at(turned++)).normalized();
@@ -98,12 +95,7 @@ Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Sim
           p.unit = q.unit;
           p.null = bounds.nominal;
         }
-    const YamlNode* node = &tree;
-    for (std::size_t at = 0; node != nullptr && at <= key.size();) {
-      const std::size_t dot = std::min(key.find('.', at), key.size());
-      node = node->find(key.substr(at, dot - at));
-      at = dot + 1;
-    }
+    const YamlNode* node = node_at(tree, key);
     p.start = node != nullptr && node->kind == YamlNode::Kind::scalar ? parse_quantity(node->text, dimension::none) : 0.3;
     p.step = 1e-3 * std::max(std::abs(p.start), 0.1 * std::min(p.upper - p.lower, 10.0));
     calibrated_.push_back(p);
@@ -214,7 +206,7 @@ void Problem::add_run(std::size_t index) {
   for (const Override& change : data.run->set) set_path(data.tree, change.path, change.value);
   std::map<std::string, double> noise;
   for (const auto& [name, model] : noise_) noise[name] = model.sd;
-  data.start = start_values(*data.run, bundle_.scene, noise);
+  data.start = start_values(*data.run, data.tree, noise);
   for (const Observation& o : data.run->observations)
     if (!o.time.empty()) data.horizon = std::max(data.horizon, o.time.back());
   set_up_channels(data);

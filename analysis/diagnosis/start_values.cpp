@@ -1,9 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <Eigen/Dense>
 
 #include "analysis/diagnosis/problem.hpp"
+#include "core/scene_yaml.hpp"
 #include "core/yaml_tree.hpp"
 
 namespace repose::diagnosis {
@@ -68,10 +71,34 @@ Seen look_at(const Observation& o) {
   return seen;
 }
 
+/// The key of a vector without the component that may stand behind it, and that component (-1: all).
+std::pair<std::string, int> vector_key(const std::string& key) {
+  if (key.size() > 2 && key[key.size() - 2] == '.' && key.back() >= '0' && key.back() <= '2')
+    return {key.substr(0, key.size() - 2), key.back() - '0'};
+  return {key, -1};
+}
+
+/// A positive number of the scene, such as a mass: searched in its logarithm, a hundred times up and down.
+std::optional<Parameter> number_of(const YamlNode& tree, const std::string& key) {
+  const YamlNode* node = node_at(tree, key);
+  if (node == nullptr || node->kind != YamlNode::Kind::scalar) return {};
+  const double value = parse_quantity(node->text, dimension::none);
+  if (!(value > 0)) return {};
+  Parameter p;
+  p.key = key;
+  p.start = p.null = value;
+  p.lower = value / 100;
+  p.upper = value * 100;
+  p.step = 1e-3 * value;
+  p.logarithmic = true;
+  return p;
+}
+
 }  // namespace
 
-std::vector<Parameter> start_values(const BundleRun& run, const Scene& scene, const std::map<std::string, double>& noise) {
+std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, const std::map<std::string, double>& noise) {
   std::vector<Parameter> result;
+  const Scene scene = parse_scene(emit_yaml(tree), "scene");
   const auto sd = [&](const char* name) {
     const auto found = noise.find(name);
     return found == noise.end() || found->second == 0 ? 1e-4 : found->second;
@@ -91,8 +118,10 @@ std::vector<Parameter> start_values(const BundleRun& run, const Scene& scene, co
       result.push_back(p);
     };
     for (const std::string& key : run.free) {
-      const auto is = [&](const char* what) { return key == "bodies." + body.name + "." + what; };
+      const auto [vector, component] = vector_key(key);
+      const auto is = [&, &vector = vector](const char* what) { return vector == "bodies." + body.name + "." + what; };
       for (int k = 0; k < 3; ++k) {
+        if (component >= 0 && component != k) continue;
         const Early& x = seen.position[k];
         const Early& turn = seen.turn[k];
         if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, sd("position") * x.value_se);
@@ -105,6 +134,8 @@ std::vector<Parameter> start_values(const BundleRun& run, const Scene& scene, co
       }
     }
   }
+  for (const std::string& key : run.free)
+    if (const std::optional<Parameter> p = number_of(tree, key)) result.push_back(*p);
   return result;
 }
 

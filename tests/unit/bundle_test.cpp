@@ -84,6 +84,60 @@ TEST_F(BundleFiles, KeepsWhatTheExperimenterSaid) {
   EXPECT_DOUBLE_EQ(bundle.runs.at(1).observations.at(0).scalar, 32.93);
 }
 
+TEST_F(BundleFiles, AWindowDropsSamplesAndCountsFromItsBeginning) {
+  write("a.csv", "time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03,,0.95\n0.2,ball,0.06,,0.8\n0.3,ball,0.09,,0.6\n");
+  write("recording.yaml", yaml("    from: 50 ms\n    until: 0.25\n"));
+  const Bundle bundle = read_bundle(folder);
+  const Observation& o = bundle.runs[0].observations[0];
+  EXPECT_EQ(bundle.runs[0].from, 0.05);
+  ASSERT_EQ(o.time.size(), 2u);
+  EXPECT_DOUBLE_EQ(o.time[0], 0.05);
+  EXPECT_DOUBLE_EQ(o.time[1], 0.15);
+  EXPECT_EQ(o.position[1].z(), 0.8);
+  ASSERT_EQ(o.position.size(), 2u);
+
+  write("recording.yaml", yaml("    from: 0.2\n    until: 0.1\n"));
+  expect_refusal("until", "later than `from`");
+  write("recording.yaml", yaml("    from: 0.25\n"));
+  expect_refusal("from", "two samples");
+}
+
+/// A body that moves smoothly but for a kink at 0.3 s.
+std::string kinked() {
+  std::string text = "time,body,x,y,z\n";
+  for (int i = 0; i <= 60; ++i) {
+    const double t = 0.01 * i, x = t < 0.3 ? t : 0.3 - 2 * (t - 0.3);
+    text += std::to_string(t) + ",ball," + std::to_string(x) + ",,1\n";
+  }
+  return text;
+}
+
+TEST_F(BundleFiles, WindowsHoldEverySampleOnceAndBeginWhereThePathIsSmooth) {
+  write("a.csv", kinked());
+  write("recording.yaml", yaml("    free: [bodies.ball.velocity]\n", "windows: 0.2 s\n"));
+  const Bundle bundle = read_bundle(folder);
+  ASSERT_EQ(bundle.runs.size(), 3u);
+  std::size_t samples = 0;
+  for (const BundleRun& window : bundle.runs) {
+    EXPECT_EQ(window.id, "a");
+    EXPECT_EQ(window.observations[0].time.front(), 0);
+    samples += window.observations[0].time.size();
+    EXPECT_FALSE(window.from > 0.235 && window.from < 0.295) << window.from;
+  }
+  EXPECT_EQ(samples, 61u);
+  EXPECT_EQ(bundle.runs[0].from, 0);
+
+  write("recording.yaml", yaml("", "windows: 0.2 s\n"));
+  expect_refusal("runs", "free");
+}
+
+TEST_F(BundleFiles, StartValuesMayBeComponentsAndNumbers) {
+  write("recording.yaml", yaml("    free: [bodies.ball.velocity.2, shapes.ball.radius, bodies.ball.orientation]\n"));
+  EXPECT_EQ(read_bundle(folder).runs[0].free.size(), 3u);
+  write("recording.yaml", yaml("    free: [bodies.ball.speed.2]\n"));
+  EXPECT_NE(refusal(), "");
+}
+
 TEST_F(BundleFiles, RefusesWithPlaceAndRemedy) {
   EXPECT_EQ(refusal(), "");
   const auto with_csv = [&](const std::string& text) { write("a.csv", text); };
