@@ -92,4 +92,13 @@ std::vector<BundleRun> in_windows(const BundleRun& run, double length) {
   return windows;
 }
 
+std::vector<std::vector<std::size_t>> whole_runs(const Bundle& bundle) {
+  std::vector<std::vector<std::size_t>> result;
+  for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
+    if (i == 0 || bundle.runs[i].id != bundle.runs[i - 1].id) result.emplace_back();
+    result.back().push_back(i);
+  }
+  return result;
+}
+
 }  // namespace repose

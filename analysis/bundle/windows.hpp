@@ -15,4 +15,7 @@ namespace repose {
 /// has fewer than two samples are left out; a run without a trajectory is one window.
 std::vector<BundleRun> in_windows(const BundleRun& run, double length);
 
+/// Indices into the bundle's runs, one list for each id: the windows of one run belong together.
+std::vector<std::vector<std::size_t>> whole_runs(const Bundle& bundle);
+
 }  // namespace repose

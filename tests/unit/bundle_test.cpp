@@ -8,6 +8,7 @@
 #include "analysis/bundle/csv_table.hpp"
 #include "analysis/bundle/read_bundle.hpp"
 #include "analysis/bundle/sensor.hpp"
+#include "analysis/bundle/windows.hpp"
 #include "analysis/bundle/write_bundle.hpp"
 #include "core/error.hpp"
 
@@ -126,6 +127,7 @@ TEST_F(BundleFiles, WindowsHoldEverySampleOnceAndBeginWhereThePathIsSmooth) {
   }
   EXPECT_EQ(samples, 61u);
   EXPECT_EQ(bundle.runs[0].from, 0);
+  EXPECT_EQ(whole_runs(bundle), (std::vector<std::vector<std::size_t>>{{0, 1, 2}}));
 
   write("recording.yaml", yaml("", "windows: 0.2 s\n"));
   expect_refusal("runs", "free");
