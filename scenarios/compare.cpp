@@ -213,10 +213,10 @@ int main(int argc, char** argv) {
     app.add_option("--backends", own.backends, "those to compare (default: all)")->type_name("NAME,NAME...");
     app.add_option("--seeds", own.seeds, "runs per backend, numbered from --seed (default 5)")->type_name("N")->check(CLI::Range(1, 10000));
     app.add_flag("--no-refine", own.no_refine, "without the runs at half the step and a tenth of the tolerance");
-    app.add_flag("--cost", own.cost, "instead: wall time per simulated second against the number of grains");
+    app.add_flag("--cost", own.cost, "instead: processor time per simulated second against the number of grains");
     app.add_option("--grains", own.costs.grains, "with --cost: numbers of grains, ascending (default 50 to 20000)")->delimiter(',')->type_name("N,N...")
         ->check(CLI::Range(10, 10000000));
-    app.add_option("--cap", own.costs.cap_s, "with --cost: wall-clock seconds for one point; a backend's last is the one that reaches it (default 60)")
+    app.add_option("--cap", own.costs.cap_s, "with --cost: processor seconds for one point; a backend's last is the one that reaches it (default 60)")
         ->type_name("S")->check(CLI::Range(0.01, 1e6));
   });
 }

@@ -9,6 +9,7 @@
 #include "analysis/ledger.hpp"
 #include "core/run.hpp"
 #include "scenarios/interrupt.hpp"
+#include "scenarios/thread_clock.hpp"
 
 namespace repose {
 namespace {
@@ -227,7 +228,9 @@ std::optional<json> compare_run(const Backend& backend, const Scene& scene, std:
     gather(state);
     return site && model.grain_count() > 0 && assess_rest(model, state, *site, outlet).at_rest;
   };
+  const double start = thread_cpu_s();
   const RunReport report = run(world, model, {scene.solver.time_step, scene.duration, frames.interval, 1e9}, nullptr, hooks);
+  const double cpu_s = thread_cpu_s() - start;
   if (report.end == RunReport::End::interrupted) return std::nullopt;
   if (report.final_state.time > told) gather(report.final_state);
   gathered.complete(report.final_state);
@@ -262,7 +265,10 @@ std::optional<json> compare_run(const Backend& backend, const Scene& scene, std:
             diameter > 0 ? "1" : "m");
   o.quality("converged_fraction", report.converged_fraction, "1");
   o.add("wall_time", report.wall_s, "s", "cost", report.wall_s);
-  o.add("wall_time_per_simulated_second", report.wall_s / std::max(report.final_state.time, 1e-300), "1", "cost", report.wall_s);
+  if (scene.solver.threads == 1) {
+    o.add("processor_time", cpu_s, "s", "cost", cpu_s);
+    o.add("processor_time_per_step", cpu_s / static_cast<double>(std::max<std::int64_t>(report.steps, 1)), "s", "cost", cpu_s);
+  }
 
   return json{{"observables", o.all()},
               {"run", {{"steps", report.steps}, {"wall_s", report.wall_s}, {"contacts_mean", report.contacts_mean},

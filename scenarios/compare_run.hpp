@@ -24,7 +24,7 @@ CompareFrames compare_frames(const Scene& scene);
 
 /// Runs a scene to its duration, or until its heap is at rest; nullopt if interrupted (Ctrl-C). Keys of the result:
 ///   observables {name: {value (null: could not be measured), unit, kind, scale}}; kind: "physics", what engines must agree
-///     about; "quality", how well an engine did; "cost". `scale`: the magnitude that a relative tolerance refers to.
+///     about; "quality", how well an engine did; "cost" (processor time with one thread only). `scale`: the magnitude that a relative tolerance refers to.
 ///   run {steps, wall_s, contacts_mean, iterations_mean, residual_max, converged_fraction, cycling_fraction, max_penetration, time}
 ///   curves {time, kinetic_energy, discharged_mass (with a funnel), radius and height (with a heap)}
 ///   film [cells * frames] (with grains); bodies {name: {x: [..], y: [..], z: [..]}} (dynamic bodies that are no grains, at the times)
