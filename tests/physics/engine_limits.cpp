@@ -4,8 +4,8 @@ namespace repose::test {
 
 EngineRule rule_of(std::string_view backend) {
   if (backend == "dvi") return {true, 0};
-  if (backend == "bullet") return {true, 1e-6};  // its sweeps end a little above the rounding error
-  if (backend == "dart") return {true, 1e-6};    // a share of 1e-9 of each approach is left
+  if (backend == "bullet") return {true, 0};
+  if (backend == "dart") return {true, 1e-8};  // a share of 1e-9 of each approach is left
   return {false, 0.03};
 }
 

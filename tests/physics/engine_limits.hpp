@@ -23,7 +23,7 @@ struct EngineRule {
   double tolerance = 0;   ///< it may be off by this, or by the answer's own tolerance if that is wider
 };
 
-/// Of DVI: the answer's own tolerance. Of an engine that nothing is said about: 3 % of the closed form.
+/// Of DVI and Bullet: the answer's own tolerance. Of an engine that nothing is said about: 3 % of the closed form.
 EngineRule rule_of(std::string_view backend);
 
 /// The row for an answer of a backend; nullptr: none, the usual tolerance holds.

@@ -16,6 +16,8 @@ std::span<const EngineLimit> dart_limits() {
                   "FCL tells of overlap only: spheres are met when they touch, whatever the margin"},
       EngineLimit{"largest gain here / energy before", 0.3, 0.4,
                   "Newton's law of restitution is taken as it is, with the energy that it gains in Kane's example"},
+      EngineLimit{"spinning resistance, speed of the centre / R w0", 1.2e-11, 1.3e-11,
+                  "it sinks: a share of 1e-9 of each step's approach g h is left, here 1.226e-11 of R w0"},
       EngineLimit{"twin and sphere, change of angular momentum", 1e-5, 1e-3, apart},
       EngineLimit{"twin and box, change of angular momentum", 1e-5, 1e-3, apart},
       EngineLimit{"collapsing cloud of 60, change of angular momentum", 1e-6, 1e-4, apart},
