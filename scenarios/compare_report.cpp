@@ -46,6 +46,15 @@ ReadableUnit unit_of(const json& observable) {
   return readable(largest, observable["unit"]);
 }
 
+// "load.base.vertical" as "load on base, vertical", "angle_of_repose" as "angle of repose".
+std::string readable_name(const json& observable) {
+  std::string name = observable["name"];
+  if (name.starts_with("load."))
+    if (const std::size_t dot = name.rfind('.'); dot > 5) name = "load on " + name.substr(5, dot - 5) + ", " + name.substr(dot + 1);
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 Table observable_table(const json& compare, const std::string& kind, const std::string& title) {
   Table table;
   table.title = title;
@@ -55,13 +64,15 @@ Table observable_table(const json& compare, const std::string& kind, const std::
   for (const json& o : compare["observables"]) {
     if (o["kind"] != kind) continue;
     const ReadableUnit in = unit_of(o);
-    std::vector<std::string> row = {o["name"].get<std::string>(), in.unit};
+    std::vector<std::string> row = {readable_name(o), in.unit};
     for (const auto& [label, ignored] : compare["backends"].items())
       row.push_back(told(number_in(o["values"][label]["mean"]), number_in(o["values"][label]["se"]), in.factor));
     row.push_back(kind == "cost" ? "" : o["verdict"].get<std::string>());
     row.push_back(o["standard_errors"].is_number() ? fmt::format("{:.1f}", o["standard_errors"].get<double>()) : "–");
     table.rows.push_back(std::move(row));
   }
+  // What differs is what one looks for.
+  std::stable_partition(table.rows.begin(), table.rows.end(), [](const auto& row) { return row[row.size() - 2] == "differ"; });
   return table;
 }
 
@@ -92,23 +103,6 @@ Chart curve_chart(const json& compare, const std::string& curve, Chart chart) {
   return chart;
 }
 
-Chart wall_chart(const json& compare) {
-  Chart chart;
-  chart.title = "Wall time";
-  chart.caption = "Of each run as the scene gives it, one thread; other work on the machine is in it.";
-  chart.x = {"run", ""};
-  chart.y = {"wall time", "s", true};
-  for (const auto& [label, backend] : compare["backends"].items()) {
-    Series series{label, {}, {}, {}, Series::Style::line_and_points, false};
-    for (const json& wall : backend["wall_s_by_run"]) {
-      series.x.push_back(static_cast<double>(series.x.size() + 1));
-      series.y.push_back(wall.get<double>());
-    }
-    chart.series.push_back(std::move(series));
-  }
-  return chart;
-}
-
 Table refinement_table(const json& compare) {
   Table table;
   table.header = {"no.", "observable", "unit", "backend", "under h/2", "under tolerance/10"};
@@ -122,7 +116,7 @@ Table refinement_table(const json& compare) {
         if (!how.contains(key)) return std::string("–");
         return told(number_in(how[key]["shift"]), number_in(how[key]["se"]), in.factor);
       };
-      table.rows.push_back({std::to_string(place), o["name"].get<std::string>(), in.unit, label, cell("half_step"), cell("tenth_tolerance")});
+      table.rows.push_back({std::to_string(place), readable_name(o), in.unit, label, cell("half_step"), cell("tenth_tolerance")});
     }
   }
   table.notes = {"How much each backend's own value moves when it is run finer, paired by seed, with the standard error."};
@@ -176,7 +170,7 @@ report::Report compare_report(const json& compare) {
 
   Section why{"Where they differ, and why", {}};
   for (const json& o : compare["observables"])
-    if (o["kind"] == "physics" && o["verdict"] == "differ") why.blocks.push_back(Text{o["name"].get<std::string>() + ": " + o["text"].get<std::string>()});
+    if (o["kind"] == "physics" && o["verdict"] == "differ") why.blocks.push_back(Text{readable_name(o) + ": " + o["text"].get<std::string>()});
   for (const json& p : compare["partings"]) {
     why.blocks.push_back(Text{fmt::format("Runs of {} and {} part: {}.", p["a"].get<std::string>(), p["b"].get<std::string>(), p["text"].get<std::string>())});
     if (p.contains("half_step"))
@@ -202,7 +196,7 @@ report::Report compare_report(const json& compare) {
     refinement.blocks.push_back(Text{"Not run (--no-refine): step and tolerance are not ruled out as the cause of a difference."});
   }
   page.sections.push_back(std::move(refinement));
-  page.sections.push_back({"How well each engine did, and what it cost", {observable_table(compare, "quality", ""), observable_table(compare, "cost", ""), wall_chart(compare)}});
+  page.sections.push_back({"How well each engine did, and what it cost", {observable_table(compare, "quality", ""), observable_table(compare, "cost", "")}});
   page.sections.push_back({"Scene", {Listing{"The scene as it was understood", compare["scene_text"].get<std::string>()}}});
   return page;
 }

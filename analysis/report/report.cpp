@@ -118,7 +118,7 @@ void Page::operator()(const Chart& chart) {
 }
 
 bool looks_numeric(const std::string& cell) {
-  const bool signs = cell.find_first_not_of("0123456789+-.,eE ±−%∞×⁰¹²³⁴⁵⁶⁷⁸⁹⁻") == std::string::npos;
+  const bool signs = cell.find_first_not_of("0123456789+-.,eE ()±−%∞×⁰¹²³⁴⁵⁶⁷⁸⁹⁻") == std::string::npos;
   return signs && cell.find_first_of("0123456789") != std::string::npos;
 }
 
@@ -192,10 +192,15 @@ std::string rounded(double value, std::optional<double> uncertainty) {
   if (!usable || !std::isfinite(value)) return number(value, 4);
   const int exponent = static_cast<int>(std::floor(std::log10(*uncertainty)));
   const bool starts_with_one = *uncertainty / std::pow(10, exponent) < 1.95;
-  const int places = (starts_with_one ? 2 : 1) - exponent;
-  if (places >= 0 && places <= 9 && std::abs(value) < 1e9)
-    return fmt::format("{:.{}f} ± {:.{}f}", value, places, *uncertainty, places);
-  return number(value, 6) + " ± " + number(*uncertainty, 2);
+  const int places = (starts_with_one ? 2 : 1) - exponent, top = static_cast<int>(std::floor(std::log10(std::max(std::abs(value), *uncertainty))));
+  const auto both = [](double v, double u, int decimals) {
+    const double unit = std::pow(10, -std::min(decimals, 0));  // digits before the point that the uncertainty leaves open are zeros
+    const int shown = std::max(decimals, 0);
+    return fmt::format("{:.{}f} ± {:.{}f}", decimals < 0 ? unit * std::round(v / unit) : v, shown, decimals < 0 ? unit * std::round(u / unit) : u, shown);
+  };
+  if (top >= -4 && top < 6) return both(value, *uncertainty, places);
+  const double power = std::pow(10, top);
+  return "(" + both(value / power, *uncertainty / power, places + top) + ")" + number(power, 1).substr(1);
 }
 
 std::string to_html(const Report& report) {

@@ -126,8 +126,11 @@
       const decade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
       const decades = Math.log10(high / Math.max(low, 1e-300));
       result.ticks.callback = (value) => {
-        if (decade(value)) return "10" + [...String(Math.round(Math.log10(value)))].map((c) => raised[c]).join("");
-        return decades < 1.5 ? Number(value).toPrecision(1) : "";
+        if (decades < 1.5) {
+          const digit = value.toExponential(0)[0];  // labels at 1, 2, 5 leave room for each other
+          return "125".includes(digit) ? String(Number(value.toPrecision(1))) : "";
+        }
+        return decade(value) ? "10" + [...String(Math.round(Math.log10(value)))].map((c) => raised[c]).join("") : "";
       };
     }
     return result;

@@ -41,6 +41,11 @@ TEST(Rounded, two_digits_of_the_uncertainty_three_if_it_begins_with_one) {
   EXPECT_EQ(rounded(32.934, 0.42), "32.93 ± 0.42");
   EXPECT_EQ(rounded(0.45124, 0.0031), "0.4512 ± 0.0031");
   EXPECT_EQ(rounded(1234.5, 56.7), "1234 ± 57");
+  EXPECT_EQ(rounded(315.045, 257.0), "320 ± 260");
+  EXPECT_EQ(rounded(-123456, 1234), "-123460 ± 1230");
+  EXPECT_EQ(rounded(6.52242e-17, 1.34e-17), "(6.52 ± 1.34)×10⁻¹⁷");
+  EXPECT_EQ(rounded(3.6e-7, 3.6e-7), "(3.6 ± 3.6)×10⁻⁷");
+  EXPECT_EQ(rounded(0, 2.5e7), "(0.0 ± 2.5)×10⁷");
   EXPECT_EQ(rounded(32.934), "32.93");
   EXPECT_EQ(rounded(32.934, 0.0), "32.93");
 }
