@@ -76,6 +76,24 @@ Table observable_table(const json& compare, const std::string& kind, const std::
   return table;
 }
 
+// What "agree" leaves room for.
+Table difference_table(const json& compare) {
+  Table table{"Differences and their 95 % intervals", {"observable", "unit"}, {}, {}};
+  for (const json& o : compare["observables"]) {
+    if (o["kind"] != "physics") continue;
+    const ReadableUnit in = unit_of(o);
+    std::vector<std::string> row = {readable_name(o), in.unit};
+    for (const json& p : o["pairs"]) {
+      if (table.rows.empty()) table.header.push_back(p["a"].get<std::string>() + " – " + p["b"].get<std::string>());
+      row.push_back(p.contains("half_width_95") ? told(number_in(p["difference"]), number_in(p["half_width_95"]), in.factor) : "–");
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.notes = {"To agree is not to be equal: a true difference within the interval (Student, paired by seed, this observable alone) is not ruled "
+                 "out. More seeds narrow it."};
+  return table;
+}
+
 double largest_in(const json& compare, const std::string& curve, const char* axis) {
   double largest = 0;
   for (const auto& [label, backend] : compare["backends"].items())
@@ -166,6 +184,7 @@ report::Report compare_report(const json& compare) {
       "all observables and pairs; differ: corrected p < 0.05 and more than the solver's tolerance. Forces inside a packing are not unique and not compared; "
       "loads on tools are means over the last tenth of the run. Coordination: pairs of grains that press with more than 1 % of a mean grain's weight."};
   verdict.blocks.push_back(std::move(physics));
+  if (compare["seeds"] > 1) verdict.blocks.push_back(difference_table(compare));
   page.sections.push_back(std::move(verdict));
 
   Section why{"Where they differ, and why", {}};

@@ -164,6 +164,7 @@ class Judge {
     j["se"] = d.scatter() ? json(d.d.se) : json(nullptr);
     j["standard_errors"] = d.scatter() ? finite(std::abs(d.d.t)) : json(nullptr);
     if (d.scatter()) {
+      j["half_width_95"] = d.d.se * student_t_quantile(0.975, static_cast<int>(d.n) - 1);
       j["p"] = d.d.p;
       j["p_corrected"] = pair.corrected;
       const auto x = r_.values(pair.a, Refinement::none, e.name), y = r_.values(pair.b, Refinement::none, e.name);

@@ -19,7 +19,8 @@ inline constexpr double compare_alpha = 0.05;
 /// Where nothing is random, or one pair alone has the value, there is no scatter: `differ` means beyond that tolerance, and
 /// `standard_errors` is null.
 ///
-/// Per pair `explained_by`: refinements whose shift of one backend is significant (p < 0.05) and as large as the difference.
+/// To agree is not to be equal: per pair `half_width_95`, half of the 95 % interval of the difference (one observable, not corrected), says
+/// how large a difference these seeds leave room for. Also `explained_by`: refinements whose shift of one backend is significant (p < 0.05) and as large as the difference.
 /// `refined`: the difference once both are refined.
 nlohmann::json compare_verdicts(const Comparison& comparison, const CompareResults& results);
 

@@ -62,6 +62,7 @@ TEST(CompareVerdict, PairsSeeThroughTheScatterOfSeeds) {
   EXPECT_EQ(o["verdict"], "differ");
   EXPECT_LT(pair["welch_standard_errors"].get<double>(), 2);
   EXPECT_GT(o["standard_errors"].get<double>(), 15);
+  EXPECT_NEAR(pair["half_width_95"].get<double>(), 2.776445 * pair["se"].get<double>(), 1e-6);  // Student, 4 degrees of freedom
   EXPECT_TRUE(pair["explained_by"].empty());
   EXPECT_NE(o["text"].get<std::string>().find("Not a matter of step or tolerance"), std::string::npos);
 }
