@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <chrono>
 
 #include "analysis/bundle/read_bundle.hpp"
@@ -11,6 +12,7 @@
 #include "core/recording.hpp"
 #include "scenarios/command_line.hpp"
 #include "scenarios/diagnosis_json.hpp"
+#include "scenarios/diagnosis_progress.hpp"
 #include "scenarios/diagnosis_report.hpp"
 #include "scenarios/history.hpp"
 #include "scenarios/interrupt.hpp"
@@ -26,11 +28,23 @@ struct Own {
   int runs = 8, held_out = 8, replicas = 499;
 };
 
+/// As the report shows them.
+std::vector<std::pair<std::string, std::string>> settings_of(const Options& options, const Own& own) {
+  std::vector<std::pair<std::string, std::string>> list = {{"bundle", options.file.string()},
+                                                           {"backend", options.backend},
+                                                           {"seed", std::to_string(options.seed)},
+                                                           {"runs fitted, at most", std::to_string(own.runs)},
+                                                           {"held-out runs, at most", std::to_string(own.held_out)},
+                                                           {"version", fmt::format("{} ({})", version(), commit())}};
+  for (const Override& o : options.overrides) list.emplace_back("--set " + o.path, o.value);
+  return list;
+}
+
 int run(const Options& options, const Own& own) {
   const Bundle bundle = read_bundle(options.file, own.root, options.overrides);
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
-  std::filesystem::remove(options.out / "diagnosis.json", ignored);
+  for (const char* old : {"diagnosis.json", "partial.json"}) std::filesystem::remove(options.out / old, ignored);
   ProgressDisplay display(options.quiet);
   for (const std::string& warning : bundle.warnings) display.message("warning: " + warning);
 
@@ -42,15 +56,18 @@ int run(const Options& options, const Own& own) {
   how.replicas = own.replicas;
   how.interrupted = interrupted;
   const auto begun = std::chrono::steady_clock::now();
-  auto stage_begun = begun;
-  std::string stage_now;
+  DiagnosisProgress progress;
+  std::atomic<std::size_t> simulations{0};
   how.progress = [&](const std::string& stage, double done, double total) {
-    const auto now = std::chrono::steady_clock::now();
-    if (stage != stage_now) stage_now = stage, stage_begun = now;
-    const double spent = std::chrono::duration<double>(now - stage_begun).count();
-    display.show(done, total, done > 0 ? spent * (total - done) / done : 0, stage);
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), share = progress.share(stage, done, total);
+    display.show(share, 1, progress.left(spent), fmt::format("{} ({} simulations)", stage, simulations.load()));
   };
-  const diagnosis::Diagnosis found = diagnosis::diagnose(bundle, simulate_with(find_backend(options.backend), options.allow_unsupported), how);
+  const Simulate simulate = simulate_with(find_backend(options.backend), options.allow_unsupported);
+  const Simulate counted = [&](const SimulationRequest& request) {
+    ++simulations;
+    return simulate(request);
+  };
+  const diagnosis::Diagnosis found = diagnosis::diagnose(bundle, counted, how);
 
   nlohmann::json result = diagnosis_json(found);
   result["scenario"] = "diagnose";
@@ -61,10 +78,12 @@ int run(const Options& options, const Own& own) {
   result["commit"] = commit();
   result["complete"] = !found.interrupted;
   write_atomically(options.out / "extended.yaml", found.extended_scene);
-  write_atomically(options.out / "report.html", report::to_html(diagnosis_report(found, bundle)));
+  write_atomically(options.out / "report.html", report::to_html(diagnosis_report(found, bundle, settings_of(options, own))));
   if (found.interrupted) {
     write_atomically(options.out / "partial.json", result.dump(2));
-    fmt::print(stderr, "interrupted; what was found so far is in {} and report.html\n", (options.out / "partial.json").string());
+    display.message(fmt::format("interrupted after {} simulations: what was found so far is in {} and report.html", simulations.load(),
+                                (options.out / "partial.json").string()));
+    display.message(fmt::format("to go on: the same command again, repose diagnose {} --out {}", options.file.string(), options.out.string()));
     return exit_status::interrupted;
   }
   write_atomically(options.out / "diagnosis.json", result.dump(2));

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 
-#include "analysis/report/report.hpp"
-#include "core/effect_library.hpp"
+#include "scenarios/diagnosis_values.hpp"
+#include "scenarios/diagnosis_words.hpp"
 
 namespace repose {
 namespace {
@@ -15,15 +15,26 @@ using namespace diagnosis;
 
 json parameters_json(const FittedHypothesis& model, const std::string& effect) {
   json list = json::object();
-  for (const ParameterEstimate& p : model.parameters)
-    if (p.effect == effect) list[p.name] = {{"value", p.value}, {"lower", p.lower}, {"upper", p.upper}, {"unit", p.unit}};
+  for (const ParameterEstimate& p : parameters_of(model, effect))
+    list[p.name] = {{"value", p.value}, {"lower", p.lower}, {"upper", p.upper}, {"unit", p.unit}};
   return list;
 }
 
-double probability_of(const Diagnosis& d, const std::vector<std::string>& effects) {
-  for (const Ranked& r : d.verdict.ranked)
-    if (r.effects == effects) return r.probability;
-  return 0;
+std::vector<std::string> names_of(const Diagnosis& d, const std::string& label) {
+  for (const FittedHypothesis& m : d.models)
+    if (m.hypothesis.label() == label) return m.hypothesis.names();
+  return {};
+}
+
+/// What `first` has and `second` has not: "none" if nothing.
+std::string only_in(std::vector<std::string> first, const std::vector<std::string>& second) {
+  std::erase_if(first, [&](const std::string& name) { return std::find(second.begin(), second.end(), name) != second.end(); });
+  return first.empty() ? "none" : fmt::format("{}", fmt::join(first, " + "));
+}
+
+json suggestion_json(const Diagnosis& d, const SuggestedRecording& s) {
+  const std::vector<std::string> first = names_of(d, s.first), second = names_of(d, s.second);
+  return {{"what", s.what}, {"separates", {only_in(first, second), only_in(second, first)}}, {"power", s.power}};
 }
 
 json score_json(const Diagnosis& d, const FittedHypothesis& model, bool held) {
@@ -40,12 +51,11 @@ json score_json(const Diagnosis& d, const FittedHypothesis& model, bool held) {
   return result;
 }
 
-json names_of(const Diagnosis& d, const Score& score) {
+json run_names(const Diagnosis& d, const Score& score) {
   json list = json::array();
   for (const std::size_t run : score.runs) list.push_back(d.run_ids[run]);
   return list;
 }
-
 
 }  // namespace
 
@@ -56,10 +66,9 @@ json diagnosis_json(const Diagnosis& d) {
   result["verdict"] = d.verdict.word;
   result["headline"] = diagnosis_in_words(d);
   result["missing"] = json::array();
-  for (const std::string& effect : best.hypothesis.names())
-    result["missing"].push_back({{"effect", effect},
-                                 {"probability", probability_of(d, best.hypothesis.names())},
-                                 {"parameters", parameters_json(best, effect)}});
+  const bool named = d.verdict.word != "none" && d.verdict.word != "unknown";
+  for (const std::string& effect : named ? best.hypothesis.names() : std::vector<std::string>{})
+    result["missing"].push_back({{"effect", effect}, {"probability", probability_of(d, effect)}, {"parameters", parameters_json(best, effect)}});
   for (const Ranked& r : d.verdict.ranked) {
     json entry = {{"effects", r.effects}, {"probability", r.probability}};
     if (r.model >= 0) {
@@ -72,7 +81,7 @@ json diagnosis_json(const Diagnosis& d) {
   result["indistinguishable"] = d.verdict.indistinguishable;
   result["suggested_recordings"] = json::array();
   for (const SuggestedRecording& s : d.suggested)
-    result["suggested_recordings"].push_back({{"what", s.what}, {"separates", {s.first, s.second}}, {"power", s.power}});
+    result["suggested_recordings"].push_back(suggestion_json(d, s));
   result["where"] = json::array();
   for (const Located& l : d.where)
     result["where"].push_back({{"observable", l.observable},
@@ -91,9 +100,9 @@ json diagnosis_json(const Diagnosis& d) {
   json calibrated = json::object();
   for (const ParameterEstimate& p : nominal.parameters) calibrated[p.name] = {{"value", p.value}, {"lower", p.lower}, {"upper", p.upper}};
   result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", d.replicas}};
-  result["fit"]["train"] = {{"runs", names_of(d, nominal.train)}, {"nominal", score_json(d, nominal, false)}, {"extended", score_json(d, best, false)}};
-  const bool held = !nominal.held_fit.runs.empty();
-  result["fit"]["heldout"] = {{"runs", held ? names_of(d, nominal.held_out) : json::array()},
+  result["fit"]["train"] = {{"runs", run_names(d, nominal.train)}, {"nominal", score_json(d, nominal, false)}, {"extended", score_json(d, best, false)}};
+  const bool held = has_held_out(d);
+  result["fit"]["heldout"] = {{"runs", held ? run_names(d, nominal.held_out) : json::array()},
                               {"nominal", held ? score_json(d, nominal, true) : json::object()},
                               {"extended", held ? score_json(d, best, true) : json::object()},
                               {"paired_p", d.paired_p},
@@ -105,47 +114,6 @@ json diagnosis_json(const Diagnosis& d) {
   result["simulations"] = d.simulations;
   result["notes"] = d.notes;
   return result;
-}
-
-std::string diagnosis_in_words(const Diagnosis& d) {
-  const FittedHypothesis& nominal = d.models.front();
-  const FittedHypothesis& best = d.models[d.best];
-  std::string text;
-  if (d.verdict.word == "none")
-    return fmt::format("Nothing is missing: the nominal scene explains the recordings within their noise (lack of fit p = {:.2g}).", d.lack_of_fit_p);
-  if (!d.where.empty()) {
-    const Located& l = d.where.front();
-    text += fmt::format("In run {}, between {:.3g} s and {:.3g} s ({} of {}), the model lacks a force of about {:.2g} N (p = {:.2g}). ", d.run_ids[l.run],
-                        l.segment.from, l.segment.to, phase_name(l.segment.phase), l.segment.body, l.force.norm(), l.p);
-  }
-  if (d.verdict.word == "unknown") return text + "Something is missing that no effect in the library explains.";
-  std::string names;
-  for (const Term& term : best.hypothesis.terms) {
-    names += (names.empty() ? "" : " and ") + term.row->name;
-    for (const ParameterEstimate& p : best.parameters)
-      if (p.effect == term.row->name) {
-        names += fmt::format(" ({} = {}{}{})", p.name.substr(p.name.rfind('.') + 1), report::rounded(p.value, 0.5 * (p.upper - p.lower)),
-                             p.unit.empty() || p.unit == "1" ? "" : " ", p.unit == "1" ? "" : p.unit);
-        break;
-      }
-  }
-  text += d.verdict.word == "ambiguous" ? "The best explanation is " + names + ", but it cannot be told apart from " : names + " explains it";
-  if (d.verdict.word == "ambiguous") {
-    bool first = true;
-    for (const std::string& other : d.verdict.indistinguishable.front()) {
-      bool named = false;
-      for (const std::string& own : best.hypothesis.names()) named = named || own == other;
-      if (named) continue;
-      text += (first ? "" : ", ") + other;
-      first = false;
-    }
-  }
-  const bool held = !nominal.held_fit.runs.empty();
-  text += fmt::format(". On {} recording{} {}, chi^2 per degree of freedom falls from {:.3g} to {:.3g}.", nominal.held_out.runs.size(),
-                      nominal.held_out.runs.size() == 1 ? "" : "s", held ? "that were not used" : "(nothing was held out)", nominal.held_out.chi2_per_dof,
-                      best.held_out.chi2_per_dof);
-  text += " Claim: " + best.hypothesis.terms.front().row->claim;
-  return text;
 }
 
 }  // namespace repose

@@ -1,7 +1,11 @@
 #pragma once
-/// diagnosis.json and the headline in words.
-#include <string>
-
+/// diagnosis.json, the machine's view of a diagnosis.
+///
+/// `missing` names effects only where the verdict does: it is empty for `none` and `unknown`. Its probabilities are those of the effect,
+/// alone or with another; those of `ranked` sum to 1. A parameter that each run has for itself (a clock's offset) is given as its mean
+/// over the fitted runs. `separates` names what the two explanations do not share; `none`: nothing more.
+/// Beside the keys of the contract: `headline`, `noise`, `explained`, `remaining_p`, `notes`, `simulations`, and under `fit` the start
+/// values of each run (`own`), with which extended.yaml gives the stated score.
 #include <nlohmann/json.hpp>
 
 #include "analysis/diagnosis/diagnose.hpp"
@@ -9,8 +13,5 @@
 namespace repose {
 
 nlohmann::json diagnosis_json(const diagnosis::Diagnosis& d);
-
-/// What was found, in two or three sentences.
-std::string diagnosis_in_words(const diagnosis::Diagnosis& d);
 
 }  // namespace repose

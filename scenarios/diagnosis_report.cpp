@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
-#include "scenarios/diagnosis_json.hpp"
+#include "analysis/report/markup.hpp"
+#include "scenarios/diagnosis_charts.hpp"
+#include "scenarios/diagnosis_values.hpp"
+#include "scenarios/diagnosis_words.hpp"
 
 namespace repose {
 namespace {
@@ -12,34 +16,54 @@ namespace {
 using namespace diagnosis;
 using namespace report;
 
-std::string joined(const std::vector<std::string>& names) { return names.empty() ? "nothing missing" : fmt::format("{}", fmt::join(names, " + ")); }
+constexpr std::size_t most_places = 10, most_residual_charts = 12, charts_in_front = 2;
 
-Table ranking(const Diagnosis& d) {
-  Table table{"Candidates", {"explanation", "acts at", "probability", "held-out log likelihood [nats]", "chi² per degree of freedom, fitted runs"}, {}, {}};
-  for (const Ranked& r : d.verdict.ranked) {
-    std::vector<std::string> row = {joined(r.effects), "", fmt::format("{:.3g}", r.probability), "–", "–"};
-    if (r.model >= 0) {
-      const FittedHypothesis& m = d.models[static_cast<std::size_t>(r.model)];
-      for (const Term& term : m.hypothesis.terms)
-        if (!term.place.empty()) row[1] += (row[1].empty() ? "" : ", ") + term.place;
-      row[3] = fmt::format("{:.1f}", r.held_out);
-      row[4] = fmt::format("{:.3g}", m.train.chi2_per_dof);
-    }
-    table.rows.push_back(row);
-  }
-  table.notes = {"Probabilities come from the likelihood of runs that were not fitted, less a price for each parameter and effect."};
-  return table;
+std::string three(double x) { return number(x, 3); }
+
+/// Numbers beside the sentence: the error now, the constants found, how sure.
+std::vector<Headline> headlines(const Diagnosis& d) {
+  const FittedHypothesis& nominal = d.models.front();
+  const FittedHypothesis& best = d.models[d.best];
+  const std::string where = has_held_out(d) ? "Error on runs not used" : "Error on the fitted runs";
+  std::vector<Headline> list;
+  list.push_back({where, error_in_sigma(best.held_out), std::nullopt, "σ", d.best == 0 ? "1 σ is the noise alone" : fmt::format("before: {} σ", three(error_in_sigma(nominal.held_out)))});
+  if (d.best != 0 && d.verdict.word != "unknown")
+    for (const std::string& effect : best.hypothesis.names())
+      for (const ParameterEstimate& p : parameters_of(best, effect))
+        if (list.size() < 4)
+          list.push_back({symbol_of(p.name) + " of " + effects_in_words({effect}), p.value, 0.5 * (p.upper - p.lower), written_unit(p.unit), "half the 90 % interval"});
+  if (d.best == 0) list.push_back({"Lack of fit, p", d.lack_of_fit_p, std::nullopt, "", fmt::format("from {} replicas of noise", d.replicas)});
+  const Ranked& first = d.verdict.ranked.front();
+  list.push_back({"Probability of " + effects_in_words(first.effects), 100 * first.probability, std::nullopt, "%", ""});
+  return list;
 }
 
 Table places(const Diagnosis& d) {
-  Table table{"Where the nominal scene fails", {"run", "body", "phase", "from [s]", "to [s]", "seen in", "missing force [N]", "p"}, {}, {}};
-  for (std::size_t i = 0; i < std::min<std::size_t>(12, d.where.size()); ++i) {
+  Table table{"Where", {"run", "body", "phase", "from [s]", "to [s]", "seen in", "missing force x, y, z [N]", "p"}, {}, {}};
+  const auto found = static_cast<std::size_t>(std::count_if(d.where.begin(), d.where.end(), [](const Located& l) { return l.p <= level; }));
+  const std::size_t shown = std::min({most_places, d.where.size(), std::max<std::size_t>(1, found)});
+  for (std::size_t i = 0; i < shown; ++i) {
     const Located& l = d.where[i];
-    table.rows.push_back({d.run_ids[l.run], l.segment.body, phase_name(l.segment.phase), fmt::format("{:.3g}", l.segment.from),
-                          fmt::format("{:.3g}", l.segment.to), l.observable, fmt::format("({:.2g}, {:.2g}, {:.2g})", l.force.x(), l.force.y(), l.force.z()),
-                          fmt::format("{:.2g}", l.p)});
+    table.rows.push_back({d.run_ids[l.run], l.segment.body, phase_name(l.segment.phase), three(l.segment.from), three(l.segment.to), l.observable,
+                          fmt::format("{}, {}, {}", number(l.force.x(), 2), number(l.force.y(), 2), number(l.force.z(), 2)), number(l.p, 2)});
   }
-  table.notes = {fmt::format("p is corrected for having looked at every stretch of every run; never below 1/{}.", d.replicas + 1)};
+  table.notes = {fmt::format("An unknown force on each stretch, tested on the likelihood of the whole record; p is corrected for having looked everywhere "
+                             "and never below 1/{}.", d.replicas + 1)};
+  if (d.where.size() > shown)
+    table.notes.push_back(fmt::format("Of {} stretches, {} {} (p ≤ {}); all are in diagnosis.json.", d.where.size(), found, found == 1 ? "stands out" : "stand out", level));
+  return table;
+}
+
+Table parameters(const Diagnosis& d) {
+  Table table{"Constants", {"constant", "of", "value", "90 % from", "to", "unit"}, {}, {}};
+  const FittedHypothesis& best = d.models[d.best];
+  std::vector<ParameterEstimate> all = parameters_of(best, "");
+  for (const std::string& effect : best.hypothesis.names())
+    for (const ParameterEstimate& p : parameters_of(best, effect)) all.push_back(p);
+  for (const ParameterEstimate& p : all) {
+    if (p.effect.empty() && std::none_of(best.parameters.begin(), best.parameters.end(), [&](const auto& own) { return own.name == p.name; })) continue;
+    table.rows.push_back({p.name, p.effect.empty() ? "calibrated" : effects_in_words({p.effect}), number(p.value, 4), number(p.lower, 4), number(p.upper, 4), written_unit(p.unit)});
+  }
   return table;
 }
 
@@ -48,87 +72,119 @@ Table before_and_after(const Diagnosis& d) {
   const FittedHypothesis& nominal = d.models.front();
   const FittedHypothesis& best = d.models[d.best];
   const auto add = [&](const std::string& which, const Score& a, const Score& b) {
-    table.rows.push_back({which, "chi² per degree of freedom", fmt::format("{:.3g}", a.chi2_per_dof), fmt::format("{:.3g}", b.chi2_per_dof)});
-    for (const auto& [name, rmse] : a.rmse) table.rows.push_back({which, "rms error of " + name, fmt::format("{:.3g}", rmse), fmt::format("{:.3g}", b.rmse.at(name))});
+    const std::string runs = fmt::format("{} {}", a.runs.size(), which);
+    table.rows.push_back({runs, "error [σ]", three(error_in_sigma(a)), three(error_in_sigma(b))});
+    for (const auto& [name, rmse] : a.rmse)
+      table.rows.push_back({runs, fmt::format("rms error of {}{}", name, name == "position" ? " [m]" : name == "orientation" ? " [rad]" : ""), three(rmse), three(b.rmse.at(name))});
+    table.rows.push_back({runs, "log likelihood [nats]", number(a.log_likelihood, 5), number(b.log_likelihood, 5)});
   };
+  if (has_held_out(d)) {
+    add("held out", nominal.held_out, best.held_out);
+    table.notes = {fmt::format("Held out: physics frozen, only start values fitted. The gain over these runs has p = {} (one-sided, paired) and effect size {}.",
+                               number(d.paired_p, 2), number(d.effect_size, 2))};
+  } else {
+    table.notes = {"Nothing was held out: these recordings have shaped the model, so that its fit to them proves little."};
+  }
   add("fitted", nominal.train, best.train);
-  if (!nominal.held_fit.runs.empty()) add("held out", nominal.held_out, best.held_out);
-  table.notes = {fmt::format("Held out: one-sided p = {:.2g} (paired over runs), effect size {:.2g}.", d.paired_p, d.effect_size)};
   return table;
 }
 
-/// Residuals of one run and channel against time.
-std::vector<Block> residual_charts(const Diagnosis& d) {
-  std::vector<Block> charts;
-  for (const ResidualSample& s : d.residuals) {
-    if (charts.size() >= 12) break;
-    Chart chart;
-    chart.title = s.run + ", " + s.channel;
-    chart.x = {"time", "s"};
-    chart.y = {"simulated minus recorded", "σ"};
-    chart.series.push_back({"nominal", s.time, s.nominal, {}, Series::Style::points, false});
-    if (d.best != 0) chart.series.push_back({"extended", s.time, s.extended, {}, Series::Style::points, false});
-    for (const Located& l : d.where)
-      if (l.p <= level && d.run_ids[l.run] == s.run) {
-        chart.series.push_back({"located", {l.segment.from, l.segment.to}, {0, 0}, {}, Series::Style::line, false});
-        break;
-      }
-    charts.emplace_back(std::move(chart));
-  }
-  return charts;
-}
-
-Chart shape_chart(const Diagnosis& d) {
+/// What each held-out run says by itself.
+Chart gains(const Diagnosis& d) {
+  const Score& before = d.models.front().held_out;
+  const Score& after = d.models[d.best].held_out;
   Chart chart;
-  const std::string variable = d.depends_on.front().variable;
-  chart.title = "The missing force against the variable that explains it best";
-  chart.x = {variable, variable == "speed" || variable == "slip_speed" ? "m/s" : variable == "height" ? "m" : variable == "time" ? "s" : variable == "spin" ? "rad/s" : "N"};
-  chart.y = {"missing force against the motion", "N"};
-  Series series{"one stretch of one run", {}, {}, {}, Series::Style::points, false};
-  for (const Located& l : d.where) {
-    const double speed = l.segment.velocity.norm();
-    const Vec3 along = speed > 0 ? Vec3(l.segment.velocity / speed) : Vec3::UnitZ();
-    const Segment& s = l.segment;
-    const double x = variable == "speed" ? s.speed : variable == "slip_speed" ? s.slip_speed : variable == "normal_force" ? s.normal_force
-                   : variable == "spin" ? s.spin : variable == "height" ? s.height : s.time;
-    const double error = l.force_se.norm();
-    if (!std::isfinite(error)) continue;
-    series.x.push_back(x);
-    series.y.push_back(-l.force.dot(along));
-    series.error.push_back(error);
+  chart.title = "Gain of each held-out run";
+  chart.x = {"held-out run, in the order of the bundle", ""};
+  chart.y = {"gain in log likelihood", "nats"};
+  chart.low = true;
+  Series series{"extended over nominal", {}, {}, {}, Series::Style::points, false};
+  for (std::size_t i = 0; i < before.per_run.size() && i < after.per_run.size(); ++i) {
+    series.x.push_back(static_cast<double>(i + 1));
+    series.y.push_back(after.per_run[i] - before.per_run[i]);
   }
   chart.series.push_back(std::move(series));
-  chart.caption = fmt::format("A {} law explains {:.0f} % of what left-out runs show.", d.depends_on.front().curve, 100 * d.depends_on.front().explained);
+  chart.bands.push_back({"no gain", 0, 0});
   return chart;
+}
+
+Table uses(const Diagnosis& d, const Bundle& bundle) {
+  Table table{"Runs", {"use", "number", "runs"}, {}, {}};
+  const auto list = [](const std::vector<std::string>& ids) {
+    const std::size_t shown = std::min<std::size_t>(24, ids.size());
+    std::string text = fmt::format("{}", fmt::join(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+    return shown < ids.size() ? text + fmt::format(" and {} more", ids.size() - shown) : text;
+  };
+  std::vector<std::string> fitted(d.run_ids.begin(), d.run_ids.begin() + static_cast<std::ptrdiff_t>(d.train_runs));
+  std::vector<std::string> held(d.run_ids.begin() + static_cast<std::ptrdiff_t>(d.train_runs), d.run_ids.end()), unused;
+  for (const BundleRun& run : bundle.runs)
+    if (std::find(d.run_ids.begin(), d.run_ids.end(), run.id) == d.run_ids.end()) unused.push_back(run.id);
+  for (const auto& [use, ids] : {std::pair{"fitted", &fitted}, {"held out, judged", &held}, {"not used", &unused}})
+    if (!ids->empty()) table.rows.push_back({use, std::to_string(ids->size()), list(*ids)});
+  return table;
+}
+
+std::vector<std::pair<std::string, std::string>> suggestion(const SuggestedRecording& s) {
+  const auto words = [](std::string label) {
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label == "nominal" ? std::string("nothing missing") : label;
+  };
+  return {{"recording", s.what}, {"tells", words(s.first) + " from " + words(s.second)}, {"chance to tell them apart, test at 1 %", percent(std::clamp(s.power, 0.0, 1.0))}};
+}
+
+Section what_is_missing(const Diagnosis& d) {
+  Section section{"What explains it", {ranking(d)}};
+  if (!d.verdict.indistinguishable.empty())
+    section.blocks.emplace_back(Warnings{{"These recordings cannot tell apart: " + effects_in_words(d.verdict.indistinguishable.front()) + "."}});
+  for (const SuggestedRecording& s : d.suggested)
+    section.blocks.emplace_back(Settings{"What to record next", suggestion(s)});
+  if (!d.depends_on.empty() && d.verdict.word != "none") section.blocks.emplace_back(force_chart(d));
+  if (Table table = parameters(d); !table.rows.empty()) section.blocks.emplace_back(std::move(table));
+  return section;
+}
+
+std::string unit_of_noise(const std::string& observable) {
+  return observable == "position" ? " m" : observable == "orientation" ? " rad" : "";
 }
 
 }  // namespace
 
-Report diagnosis_report(const Diagnosis& d, const Bundle& bundle) {
+Report diagnosis_report(const Diagnosis& d, const Bundle& bundle, const std::vector<std::pair<std::string, std::string>>& settings) {
   Report r;
-  r.title = "Diagnosis: " + bundle.title;
-  r.subtitle = fmt::format("{} runs, {} simulations", d.run_ids.size(), d.simulations);
+  r.title = verdict_in_words(d);
+  r.subtitle = "Diagnosis of: " + bundle.title;
   r.lead = diagnosis_in_words(d);
-  r.headlines.push_back({"Verdict: " + d.verdict.word, d.models[d.best].held_out.chi2_per_dof, std::nullopt, "",
-                         fmt::format("chi² per degree of freedom of the extended scene; nominal {:.3g}", d.models.front().held_out.chi2_per_dof)});
-  Section what{"What is missing", {ranking(d)}};
-  if (!d.verdict.indistinguishable.empty())
-    what.blocks.emplace_back(Text{"These cannot be told apart with the recordings at hand: " + joined(d.verdict.indistinguishable.front()) + "."});
-  for (const SuggestedRecording& s : d.suggested)
-    what.blocks.emplace_back(Text{fmt::format("To tell {} from {}: {} (chance to tell them apart: {:.0f} %).", s.first, s.second, s.what, 100 * s.power)});
-  r.sections.push_back(std::move(what));
-  Table values{"Parameters", {"parameter", "value", "90 % from", "to", "unit"}, {}, {}};
-  for (const ParameterEstimate& p : d.models[d.best].parameters)
-    values.rows.push_back({p.name, fmt::format("{:.4g}", p.value), fmt::format("{:.4g}", p.lower), fmt::format("{:.4g}", p.upper), p.unit});
-  if (!values.rows.empty()) r.sections.back().blocks.emplace_back(std::move(values));
-  r.sections.push_back({"Before and after", {before_and_after(d)}});
-  if (!d.where.empty()) r.sections.push_back({"Where", {places(d)}});
-  if (!d.depends_on.empty()) r.sections.back().blocks.emplace_back(shape_chart(d));
-  r.sections.push_back({"Residuals", residual_charts(d)});
-  Settings settings{"Settings", {{"replicas of noise", std::to_string(d.replicas)}, {"lack of fit of the nominal scene, p", fmt::format("{:.2g}", d.lack_of_fit_p)}}};
+  r.headlines = headlines(d);
+
+  std::vector<Chart> residuals = residual_charts(d);
+  Section where{d.verdict.word == "none" ? "Residuals" : "Where simulation and recordings differ", {}};
+  for (std::size_t i = 0; i < std::min(charts_in_front, residuals.size()); ++i) where.blocks.emplace_back(residuals[i]);
+  if (!d.where.empty() && d.verdict.word != "none") where.blocks.emplace_back(places(d));
+  r.sections.push_back(std::move(where));
+  r.sections.push_back(what_is_missing(d));
+  if (d.best != 0) {
+    r.sections.push_back({"What it is worth", {before_and_after(d)}});
+    if (has_held_out(d) && d.models.front().held_out.per_run.size() > 1) r.sections.back().blocks.emplace_back(gains(d));
+  }
+  Section left_out{"What was used, and what was left out", {uses(d, bundle)}};
+  left_out.blocks.emplace_back(Warnings{d.notes});
+  r.sections.push_back(std::move(left_out));
+  if (residuals.size() > charts_in_front) {
+    Section more{"More residuals", {}};
+    for (std::size_t i = charts_in_front; i < std::min(most_residual_charts, residuals.size()); ++i) {
+      residuals[i].low = true;
+      more.blocks.emplace_back(std::move(residuals[i]));
+    }
+    r.sections.push_back(std::move(more));
+  }
+  Settings all{"Settings", settings};
+  all.entries.emplace_back("simulations", std::to_string(d.simulations));
+  all.entries.emplace_back("replicas of noise", std::to_string(d.replicas));
+  all.entries.emplace_back("lack of fit before, p", number(d.lack_of_fit_p, 2));
+  all.entries.emplace_back("lack of fit after, p", number(d.remaining_p, 2));
   for (const auto& [name, noise] : d.noise)
-    settings.entries.emplace_back("noise of " + name, fmt::format("{:.3g}, correlation of neighbours {:.2f}", noise.sd, noise.phi));
-  r.sections.push_back({"How it was found", {std::move(settings), Warnings{d.notes}, Listing{"extended.yaml", d.extended_scene}}});
+    all.entries.emplace_back("noise of " + name, fmt::format("{}{}, correlation {:.2f}", three(noise.sd), unit_of_noise(name), noise.phi));
+  r.sections.push_back({"How it was found", {std::move(all), Listing{d.best == 0 ? "extended.yaml: the scene as calibrated" : "extended.yaml: the scene with what was missing", d.extended_scene}}});
   return r;
 }
 

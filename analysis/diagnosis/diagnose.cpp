@@ -402,8 +402,17 @@ class Diagnosing {
         }
       }
     };
+    // The runs where the mismatch was located come first: the report shades it.
+    Fit fitted = nominal.fit;
+    const auto located_in = [&](std::size_t run) {
+      return std::any_of(result_.where.begin(), result_.where.end(), [&](const Located& l) { return l.run == run && l.p <= level; });
+    };
+    std::stable_partition(fitted.runs.begin(), fitted.runs.end(), located_in);
+    if (!result_.where.empty())
+      std::stable_partition(fitted.runs.begin(), fitted.runs.end(), [&](std::size_t run) { return run == result_.where.front().run; });
+    if (!held_.empty() && fitted.runs.size() > 3) fitted.runs.resize(3);
+    keep(fitted, best.fit);
     if (!held_.empty()) keep(nominal.held_fit, best.held_fit);
-    keep(nominal.fit, best.fit);
   }
 
   /// Simulated time begins where a run does; what is told is on the recording's own clock.

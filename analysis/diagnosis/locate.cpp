@@ -144,6 +144,7 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
         Located entry;
         entry.run = run;
         entry.segment = segment;
+        entry.mass = history.mass.at(body);
         entry.observable = most_moved(data, columns.rowwise().sum().segment(first, size));
         const Eigen::MatrixXd basis = nuisance.left_of(columns);
         if (basis.cols() == 0) continue;

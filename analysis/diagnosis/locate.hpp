@@ -31,6 +31,7 @@ struct Located {
   std::size_t run = 0;      ///< of the problem
   std::string observable;   ///< that shows it best
   Segment segment;
+  double mass = 0;          ///< of the body [kg]
   Vec3 force = Vec3::Zero();     ///< unknown force, all segments of the run estimated together [N]; 0 where it cannot be seen
   Vec3 force_se = Vec3::Zero();
   double gain = 0;          ///< of this segment alone, twice the log likelihood ratio

@@ -12,27 +12,26 @@ struct Point {
   const Segment* segment = nullptr;
 };
 
-double value_of(const Segment& s, const std::string& variable) {
-  if (variable == "speed") return s.speed;
-  if (variable == "slip_speed") return s.slip_speed;
-  if (variable == "normal_force") return s.normal_force;
-  if (variable == "spin") return s.spin;
-  if (variable == "height") return s.height;
-  return s.time;
+constexpr std::size_t nobody = ~std::size_t{0};
+
+/// c of y = c x^power, by weighted least squares over all groups but one.
+double coefficient_of(const std::vector<Point>& points, const std::string& variable, int power, std::size_t left_out) {
+  double xy = 0, xx = 0;
+  for (const Point& p : points) {
+    if (p.group == left_out) continue;
+    const double x = std::pow(variable_of(*p.segment, variable), power);
+    xy += p.weight * x * p.y;
+    xx += p.weight * x * x;
+  }
+  return xx > 0 ? xy / xx : 0;
 }
 
-/// y = c x^power through the origin: share of the left-out sum of squares that it explains.
+/// Share of the left-out sum of squares that y = c x^power explains.
 double explained_by(const std::vector<Point>& points, const std::string& variable, int power) {
   double left = 0, total = 0;
   for (const Point& out : points) {
-    double xy = 0, xx = 0;
-    for (const Point& p : points) {
-      if (p.group == out.group) continue;
-      const double x = std::pow(value_of(*p.segment, variable), power);
-      xy += p.weight * x * p.y;
-      xx += p.weight * x * x;
-    }
-    const double prediction = xx > 0 ? xy / xx * std::pow(value_of(*out.segment, variable), power) : 0;
+    const double prediction =
+        coefficient_of(points, variable, power, out.group) * std::pow(variable_of(*out.segment, variable), power);
     left += out.weight * (out.y - prediction) * (out.y - prediction);
     total += out.weight * out.y * out.y;
   }
@@ -41,22 +40,38 @@ double explained_by(const std::vector<Point>& points, const std::string& variabl
 
 }  // namespace
 
+double variable_of(const Segment& s, const std::string& variable) {
+  if (variable == "speed") return s.speed;
+  if (variable == "slip_speed") return s.slip_speed;
+  if (variable == "normal_force") return s.normal_force;
+  if (variable == "spin") return s.spin;
+  if (variable == "height") return s.height;
+  return s.time;
+}
+
+ForceAgainstMotion against_motion(const Located& l) {
+  const double speed = l.segment.velocity.norm();
+  const Vec3 along = speed > 0 ? Vec3(l.segment.velocity / speed) : Vec3::UnitZ();
+  return {-l.force.dot(along), l.force_se.norm()};
+}
+
 std::vector<Dependence> dependence_of(const std::vector<Located>& located) {
   std::vector<Point> points;
   bool several = false;
   for (const Located& l : located) several = several || l.run != located.front().run;
   for (std::size_t i = 0; i < located.size(); ++i) {
     const Located& l = located[i];
-    const double speed = l.segment.velocity.norm(), se = l.force_se.norm();
-    if (!(se > 0) || !std::isfinite(se)) continue;
-    const Vec3 along = speed > 0 ? Vec3(l.segment.velocity / speed) : Vec3::UnitZ();
-    points.push_back({several ? l.run : i, -l.force.dot(along), 1 / (se * se), &l.segment});
+    const ForceAgainstMotion force = against_motion(l);
+    if (!(force.se > 0) || !std::isfinite(force.se)) continue;
+    points.push_back({several ? l.run : i, force.value, 1 / (force.se * force.se), &l.segment});
   }
   if (points.size() < 4) return {};
   std::vector<Dependence> result;
   for (const char* variable : {"speed", "slip_speed", "normal_force", "spin", "height", "time"}) {
     const double linear = explained_by(points, variable, 1), quadratic = explained_by(points, variable, 2);
-    result.push_back(quadratic > linear + 0.02 ? Dependence{variable, quadratic, "quadratic"} : Dependence{variable, linear, "linear"});
+    const int power = quadratic > linear + 0.02 ? 2 : 1;
+    result.push_back({variable, power == 2 ? quadratic : linear, power == 2 ? "quadratic" : "linear",
+                      coefficient_of(points, variable, power, nobody)});
   }
   std::stable_sort(result.begin(), result.end(), [](const Dependence& a, const Dependence& b) { return a.explained > b.explained; });
   return result;

@@ -80,6 +80,8 @@ std::string chart_json(const Chart& chart, std::size_t& left_out) {
                               {"dashed", series.dashed},
                               {"data", std::move(points)}});
   }
+  json["windows"] = nlohmann::json::array();
+  for (const Window& w : chart.windows) json["windows"].push_back({{"name", w.name}, {"from", w.from}, {"to", w.to}});
   for (const Band& band : chart.bands)
     json["bands"].push_back({{"name", band.name}, {"value", band.value}, {"half", band.half_width}});
   const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

@@ -35,6 +35,9 @@ void check(const Chart& chart) {
   for (const Band& b : chart.bands)
     if (!std::isfinite(b.value) || !(b.half_width >= 0) || !std::isfinite(b.half_width))
       fail(place, "the reference '" + b.name + "' is not a finite value with a half width of at least 0");
+  for (const Window& w : chart.windows)
+    if (!std::isfinite(w.from) || !std::isfinite(w.to) || w.to < w.from)
+      fail(place, "the window '" + w.name + "' does not end after it begins");
 }
 
 /// The HTML under construction; charts are numbered so that their canvases have names.
@@ -45,6 +48,7 @@ struct Page {
   void operator()(const Text& text);
   void operator()(const Picture& picture);
   void operator()(const Chart& chart);
+  void operator()(const Bars& bars);
   void operator()(const Table& table);
   void operator()(const Settings& settings);
   void operator()(const Listing& listing);
@@ -98,7 +102,7 @@ void Page::operator()(const Chart& chart) {
   const std::string id = "chart-" + std::to_string(++charts);
   html += "<figure class=\"chart\"><h3 id=\"" + id + "-title\">" + escaped(chart.title) + "</h3>";
   html +=
-      "<div class=\"plot\"><canvas id=\"" + id + "\" role=\"img\" aria-labelledby=\"" + id + "-title\"></canvas></div>";
+      std::string("<div class=\"plot") + (chart.low ? " low" : "") + "\"><canvas id=\"" + id + "\" role=\"img\" aria-labelledby=\"" + id + "-title\"></canvas></div>";
   html += "<script type=\"application/json\" class=\"chart-data\" data-canvas=\"" + id + "\">" + data + "</script>";
   std::string caption = escaped(chart.caption);
   if (left_out > 0)
@@ -114,7 +118,28 @@ void Page::operator()(const Chart& chart) {
               (b.half_width > 0 ? " ± " + number(b.half_width, 3) : "") + "</td></tr>";
     html += "</tbody></table>\n";
   }
+  if (!chart.windows.empty()) {
+    html += "<table><caption>Shaded</caption><tbody>";
+    for (const Window& w : chart.windows)
+      html += "<tr><th scope=\"row\">" + escaped(w.name) + "</th><td class=\"n\">" + number(w.from, 4) + " – " + number(w.to, 4) + "</td></tr>";
+    html += "</tbody></table>\n";
+  }
   html += "</div></details></figure>\n";
+}
+
+void Page::operator()(const Bars& bars) {
+  html += "<figure class=\"bars\">";
+  if (!bars.title.empty()) html += "<h3>" + escaped(bars.title) + "</h3>";
+  html += "<ul>\n";
+  for (const Bar& b : bars.bars) {
+    if (!(b.share >= 0 && b.share <= 1)) fail("bars '" + bars.title + "'", "the share of '" + b.label + "' is not between 0 and 1");
+    html += std::string("<li") + (b.strong ? " class=\"strong\"" : "") + "><span class=\"label\">" + escaped(b.label) + "</span>";
+    html += fmt::format("<span class=\"track\"><span class=\"fill\" style=\"width:{:.2f}%\"></span></span>", 100 * b.share);
+    html += "<span class=\"share\">" + escaped(percent(b.share)) + "</span><span class=\"note\">" + escaped(b.note) + "</span></li>\n";
+  }
+  html += "</ul>";
+  if (!bars.caption.empty()) html += "<figcaption>" + escaped(bars.caption) + "</figcaption>";
+  html += "</figure>\n";
 }
 
 bool looks_numeric(const std::string& cell) {
@@ -201,6 +226,12 @@ std::string rounded(double value, std::optional<double> uncertainty) {
   if (top >= -4 && top < 6) return both(value, *uncertainty, places);
   const double power = std::pow(10, top);
   return "(" + both(value / power, *uncertainty / power, places + top) + ")" + number(power, 1).substr(1);
+}
+
+std::string percent(double share) {
+  if (share > 0 && share < 0.001) return "< 0.1 %";
+  if (share < 1 && share > 0.999) return "> 99.9 %";
+  return fmt::format("{:.{}f} %", 100 * share, share == 0 || share == 1 || (share >= 0.1 && share < 0.95) ? 0 : 1);
 }
 
 std::string to_html(const Report& report) {

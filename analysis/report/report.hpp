@@ -49,6 +49,12 @@ struct Band {
   double value = 0, half_width = 0;  ///< half_width 0: a line
 };
 
+/// A stretch of the x axis, shaded: where something was found.
+struct Window {
+  std::string name;  ///< written into it where there is room
+  double from = 0, to = 0;
+};
+
 /// Drawn by the reader's browser, and given as a table below for who cannot see it.
 struct Chart {
   std::string title, caption;
@@ -56,6 +62,21 @@ struct Chart {
   std::vector<Series> series;
   std::vector<Band> bands;
   bool equal_scales = false;  ///< a metre is as long on x as on y (a heap's profile)
+  std::vector<Window> windows = {};
+  bool low = false;           ///< half as high: one of many
+};
+
+/// Shares of a whole, as horizontal bars: probabilities.
+struct Bar {
+  std::string label;
+  double share = 0;   ///< in [0, 1]
+  std::string note;   ///< beside the share; may be empty
+  bool strong = false;  ///< the answer
+};
+struct Bars {
+  std::string title;
+  std::vector<Bar> bars;
+  std::string caption;  ///< may be empty
 };
 
 struct Table {
@@ -79,7 +100,7 @@ struct Warnings {
   std::vector<std::string> items;  ///< empty: nothing is shown
 };
 
-using Block = std::variant<Text, Picture, Chart, Table, Settings, Listing, Warnings>;
+using Block = std::variant<Text, Picture, Chart, Bars, Table, Settings, Listing, Warnings>;
 
 struct Section {
   std::string heading;  ///< may be empty
@@ -96,11 +117,14 @@ struct Report {
 /// One self-contained file: pictures, charts and the program that draws them are inside, and it forbids itself to load
 /// anything. Light and dark, printable. All text is escaped. A series of more than 4000 points is thinned for the
 /// chart, keeping the extremes of every stretch. Throws Error if arrays of a series or rows of a table differ in
-/// length, or a headline or a band is not finite.
+/// length, or a headline, a band or a window is not finite, or a share is outside [0, 1].
 std::string to_html(const Report& report);
 
 /// "32.93 ± 1.15": the uncertainty to two digits (three if it begins with 1), the value to the same place. Without one:
 /// four digits.
 std::string rounded(double value, std::optional<double> uncertainty = std::nullopt);
+
+/// "98 %", "0.4 %", "< 0.1 %".
+std::string percent(double share);
 
 }  // namespace repose::report

@@ -29,7 +29,26 @@
     return nearest;
   };
 
-  // Chart.js has neither error bars nor reference bands.
+  // The same words at the top of every stretch, where they fit.
+  const shadeWindows = (chart, options) => {
+    const { ctx, chartArea: area, scales } = chart;
+    let free = area.left;
+    ctx.font = "12px " + getComputedStyle(document.body).fontFamily;
+    ctx.textAlign = "left";
+    for (const window of options.windows) {
+      const left = scales.x.getPixelForValue(window.from), right = scales.x.getPixelForValue(window.to);
+      ctx.fillStyle = withAlpha(options.shade, 0.16);
+      ctx.fillRect(left, area.top, Math.max(2, right - left), area.bottom - area.top);
+      const width = ctx.measureText(window.name).width;
+      const at = Math.max(left + 6, free);
+      if (at + width > area.right) continue;
+      ctx.fillStyle = options.shade;
+      ctx.fillText(window.name, at, area.top + 16);
+      free = at + width + 12;
+    }
+  };
+
+  // Chart.js has neither error bars nor reference bands nor shaded stretches.
   const bandsAndErrors = {
     id: "bandsAndErrors",
     beforeDatasetsDraw(chart, _args, options) {
@@ -38,6 +57,7 @@
       ctx.beginPath();
       ctx.rect(area.left, area.top, area.width, area.height);
       ctx.clip();
+      shadeWindows(chart, options);
       for (const band of options.bands) {
         const middle = scales.y.getPixelForValue(band.value);
         if (band.half > 0) {
@@ -163,7 +183,7 @@
   const draw = (holder) => {
     const data = JSON.parse(holder.textContent);
     const canvas = document.getElementById(holder.dataset.canvas);
-    const colours = { ink: style("--ink"), soft: style("--soft"), line: style("--line") };
+    const colours = { ink: style("--ink"), soft: style("--soft"), line: style("--line"), shade: style("--warn") };
     const palette = isDark() ? darkColours : lightColours;
     const datasets = data.series.map((series, index) => {
       const colour = palette[index % palette.length];
@@ -206,7 +226,7 @@
               },
             },
           },
-          bandsAndErrors: { bands: data.bands, ink: colours.ink },
+          bandsAndErrors: { bands: data.bands, windows: data.windows, ink: colours.ink, shade: colours.shade },
         },
       },
       plugins: [bandsAndErrors],

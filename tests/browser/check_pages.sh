@@ -60,6 +60,13 @@ for scheme in 0 1; do
   sound report.html 'data-charts-expected="3"' 'data-charts-drawn="3"' ||
     fail "report.html (colour scheme $scheme): $(opening_tag) $(grep CONSOLE "$work/log" || true)"
 done
+# Two residual charts in front, two behind, the force against its variable, the gains; nothing missing: residuals alone.
+for case in missing:6 ambiguous:6 unknown:6 measurement:6 numerics:6 none:4; do
+  page=diagnosis-${case%:*}.html
+  open_page "$page"
+  sound "$page" "data-charts-expected=\"${case#*:}\"" "data-charts-drawn=\"${case#*:}\"" ||
+    fail "$page: $(opening_tag) $(grep CONSOLE "$work/log" || true)"
+done
 open_page film.html
 sound film.html 'data-frames="3"' 'data-frame-shown="0"' ||
   fail "film.html: $(opening_tag) $(grep CONSOLE "$work/log" || true)"
@@ -72,4 +79,4 @@ open_page damaged.html
 if sound damaged.html 'data-charts-expected="3"'; then fail "a picture from elsewhere went unnoticed"; fi
 
 if [ "$failures" != 0 ]; then exit 1; fi
-echo "report and film open without network, without errors, every chart drawn"
+echo "report, diagnoses and film open without network, without errors, every chart drawn"

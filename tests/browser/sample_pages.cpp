@@ -1,4 +1,4 @@
-/// Writes report.html and film.html into the folder given: what check_pages.sh opens.
+/// Writes report.html, film.html and a diagnosis-<verdict>.html for each verdict into the folder given: what check_pages.sh opens.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -6,6 +6,8 @@
 #include "analysis/render/render.hpp"
 #include "analysis/report/film.hpp"
 #include "core/recording.hpp"
+#include "scenarios/diagnosis_report.hpp"
+#include "tests/browser/sample_diagnosis.hpp"
 #include "tests/browser/sample_report.hpp"
 #include "tests/unit/picture_heap.hpp"
 
@@ -27,6 +29,16 @@ int main(int argc, char** argv) try {
   }
   write_atomically(folder / "report.html", report::to_html(report::sample_report(encode_png(image))));
   write_atomically(folder / "film.html", film_html("Sample <film>", frames, 25));
+  Bundle bundle;
+  bundle.title = "Balls pushed along a floor";
+  for (int i = 1; i <= 20; ++i) {
+    BundleRun run;
+    run.id = "push-" + std::to_string(i);
+    bundle.runs.push_back(run);
+  }
+  for (const auto& d : {test::sample_missing(), test::sample_none(), test::sample_ambiguous(), test::sample_unknown(), test::sample_measurement(),
+                        test::sample_numerics()})
+    write_atomically(folder / ("diagnosis-" + d.verdict.word + ".html"), report::to_html(diagnosis_report(d, bundle, {{"backend", "dvi"}})));
   return 0;
 } catch (const std::exception& problem) {
   std::fprintf(stderr, "%s\n", problem.what());

@@ -87,6 +87,24 @@ TEST(Report, charts_are_also_tables) {
   EXPECT_NE(html.find("<td class=\"n\">2</td><td class=\"n\"></td><td class=\"n\"></td>"), std::string::npos);
 }
 
+TEST(Report, windows_are_in_the_data_and_in_the_table) {
+  Chart chart;
+  chart.title = "t";
+  chart.series = {{"s", {1, 2}, {3, 4}, {}, Series::Style::points, false}};
+  chart.windows = {{"rolling", 0.125, 0.5}};
+  const std::string html = to_html({"", "", {}, {{"", {chart}}}});
+  EXPECT_NE(html.find("<th scope=\"row\">rolling</th><td class=\"n\">0.125 – 0.5</td>"), std::string::npos);
+  std::size_t left_out = 0;
+  EXPECT_EQ(nlohmann::json::parse(chart_json(chart, left_out))["windows"][0]["to"], 0.5);
+}
+
+TEST(Report, bars_are_as_long_as_their_share) {
+  const std::string html = to_html({"", "", {}, {{"", {Bars{"b", {{"one", 0.25, "note", true}, {"two", 0.0004, "", false}}, ""}}}}});
+  EXPECT_NE(html.find("width:25.00%"), std::string::npos);
+  EXPECT_NE(html.find(">25 %<"), std::string::npos);
+  EXPECT_NE(html.find("&lt; 0.1 %"), std::string::npos);
+}
+
 TEST(ChartData, gaps_are_null_and_logarithms_leave_out_what_they_cannot_show) {
   Chart chart;
   chart.y.logarithmic = true;
@@ -127,6 +145,10 @@ TEST(Report, refuses_what_does_not_fit_together) {
   chart.series.clear();
   chart.bands = {{"b", nan, 0}};
   EXPECT_THROW(to_html(with(chart)), Error);
+  chart.bands.clear();
+  chart.windows = {{"w", 2, 1}};
+  EXPECT_THROW(to_html(with(chart)), Error);
+  EXPECT_THROW(to_html(with(Bars{"b", {{"one", 1.1, "", false}}, ""})), Error);
   EXPECT_THROW(to_html(with(Table{"t", {"a", "b"}, {{"1"}}, {}})), Error);
   EXPECT_THROW(to_html(with(Picture{"not a png", "", ""})), Error);
   EXPECT_THROW(to_html({"t", "", {{"h", nan, {}, "", ""}}, {}}), Error);

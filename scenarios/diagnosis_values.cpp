@@ -1,0 +1,112 @@
+#include "scenarios/diagnosis_values.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "analysis/report/report.hpp"
+#include "analysis/statistics.hpp"
+
+namespace repose {
+namespace {
+
+using namespace diagnosis;
+
+std::string with_spaces(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+bool is_component(const std::string& name) { return name == "0" || name == "1" || name == "2"; }
+
+/// A parameter that each run has for itself, over the fitted runs.
+ParameterEstimate over_runs(const FittedHypothesis& model, const Parameter& parameter) {
+  std::vector<double> values;
+  for (const std::size_t run : model.fit.runs)
+    for (std::size_t i = 0; i < model.fit.layout.per_run[run].size(); ++i) {
+      const Parameter& p = model.fit.layout.per_run[run][i];
+      if (p.effect == parameter.effect && p.key == parameter.key) values.push_back(model.fit.own[run][static_cast<Eigen::Index>(i)]);
+    }
+  const Summary s = summarise(values);
+  const double half = s.n > 1 ? student_t_quantile(0.95, static_cast<int>(s.n) - 1) * s.se : 0;
+  ParameterEstimate e;
+  e.name = parameter.key;
+  e.unit = parameter.unit;
+  e.effect = parameter.effect;
+  e.value = s.mean;
+  e.lower = s.mean - half;
+  e.upper = s.mean + half;
+  return e;
+}
+
+}  // namespace
+
+std::string effects_in_words(const std::vector<std::string>& effects) {
+  if (effects.empty()) return "nothing missing";
+  if (effects.size() == 1 && effects.front() == "unknown") return "something outside the library";
+  std::string words;
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    words += (i == 0 ? "" : i + 1 == effects.size() ? " and " : ", ") + with_spaces(effects[i]);
+  return words;
+}
+
+std::string symbol_of(const std::string& key) {
+  static const std::map<std::string, std::string> symbols = {
+      {"friction", "µ"}, {"rolling_friction", "ρ"}, {"restitution", "e"}, {"viscosity", "η"}, {"coefficient", "C"}};
+  const std::size_t dot = key.rfind('.');
+  std::string last = dot == std::string::npos ? key : key.substr(dot + 1);
+  if (is_component(last) && dot != std::string::npos)
+    return fmt::format("{} {}", symbol_of(key.substr(0, dot)), "xyz"[last[0] - '0']);
+  if (const auto found = symbols.find(last); found != symbols.end()) return found->second;
+  if (last.ends_with("_deg")) last.erase(last.size() - 4);
+  return with_spaces(last);
+}
+
+std::string written_unit(const std::string& unit) {
+  if (unit == "1") return "";
+  if (unit == "deg") return "°";
+  std::string text;
+  for (std::size_t i = 0; i < unit.size(); ++i) {
+    if (unit[i] != '^' || i + 1 == unit.size()) {
+      text += unit[i];
+      continue;
+    }
+    ++i;
+    text += unit[i] == '2' ? "²" : unit[i] == '3' ? "³" : std::string("^") + unit[i];
+  }
+  return text;
+}
+
+std::string value_in_words(const ParameterEstimate& p) {
+  const std::string number = report::rounded(p.value, 0.5 * (p.upper - p.lower)), unit = written_unit(p.unit);
+  return unit.empty() ? number : number + (unit == "°" ? "" : " ") + unit;
+}
+
+double error_in_sigma(const Score& score) { return std::sqrt(std::max(0.0, score.chi2_per_dof)); }
+
+std::vector<ParameterEstimate> parameters_of(const FittedHypothesis& model, const std::string& effect) {
+  std::vector<ParameterEstimate> list;
+  for (const ParameterEstimate& p : model.parameters)
+    if (p.effect == effect) list.push_back(p);
+  if (model.fit.runs.empty()) return list;
+  std::vector<std::string> seen;
+  for (const Parameter& p : model.fit.layout.per_run[model.fit.runs.front()]) {
+    if (p.effect != effect || std::find(seen.begin(), seen.end(), p.key) != seen.end()) continue;
+    seen.push_back(p.key);
+    list.push_back(over_runs(model, p));
+  }
+  return list;
+}
+
+double probability_of(const Diagnosis& d, const std::string& effect) {
+  double sum = 0;
+  for (const Ranked& r : d.verdict.ranked)
+    if (std::find(r.effects.begin(), r.effects.end(), effect) != r.effects.end()) sum += r.probability;
+  return std::min(1.0, sum);
+}
+
+bool has_held_out(const Diagnosis& d) { return !d.models.front().held_fit.runs.empty(); }
+
+}  // namespace repose

@@ -1,0 +1,36 @@
+#pragma once
+/// Names and numbers of a diagnosis as people write them.
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/diagnose.hpp"
+
+namespace repose {
+
+/// "rolling friction"; of several "rolling friction and time offset"; of none "nothing missing"; of {"unknown"} "something outside the
+/// library".
+std::string effects_in_words(const std::vector<std::string>& effects);
+
+/// "µ", "ρ", "e" for the constants of `pairs`; else the last name of the key, with spaces; a component of a vector has its axis behind it.
+std::string symbol_of(const std::string& key);
+
+/// "m/s²" for m/s^2, "°" for deg, "" for 1.
+std::string written_unit(const std::string& unit);
+
+/// "0.1000 ± 0.0100 Pa s". The uncertainty is half the 90 % interval.
+std::string value_in_words(const diagnosis::ParameterEstimate& p);
+
+/// The typical residual in units of the noise, sqrt(chi^2 per degree of freedom).
+double error_in_sigma(const diagnosis::Score& score);
+
+/// The parameters of an effect in a model: those shared by all runs, then those that each run has for itself (a clock's offset), as the mean
+/// over the fitted runs with Student's 90 % interval (one run: no width).
+std::vector<diagnosis::ParameterEstimate> parameters_of(const diagnosis::FittedHypothesis& model, const std::string& effect);
+
+/// Probability that the effect is missing, alone or with another.
+double probability_of(const diagnosis::Diagnosis& d, const std::string& effect);
+
+/// Whether runs were held out; if not, `held_out` scores are those of the fitted runs.
+bool has_held_out(const diagnosis::Diagnosis& d);
+
+}  // namespace repose

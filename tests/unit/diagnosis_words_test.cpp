@@ -1,0 +1,117 @@
+#include "scenarios/diagnosis_words.hpp"
+
+#include <gtest/gtest.h>
+
+#include "scenarios/diagnosis_progress.hpp"
+#include "scenarios/diagnosis_values.hpp"
+#include "tests/browser/sample_diagnosis.hpp"
+
+namespace repose {
+namespace {
+
+bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST(DiagnosisWords, missing_where_what_and_what_it_is_worth) {
+  EXPECT_EQ(diagnosis_in_words(test::sample_missing()),
+            "Between 0.12 s and 0.58 s of run push-1, while the ball rolls, it slows by 0.71 m/s² that the model does not have. "
+            "Rolling friction explains it: ρ = 0.1000 ± 0.0100. "
+            "On 12 recordings that were not used, the error falls from 9.1 σ to 1.02 σ.");
+  EXPECT_EQ(verdict_in_words(test::sample_missing()), "Missing: rolling friction");
+}
+
+TEST(DiagnosisWords, none_claims_nothing) {
+  const std::string words = diagnosis_in_words(test::sample_none());
+  EXPECT_TRUE(says(words, "Nothing is missing")) << words;
+  EXPECT_TRUE(says(words, "µ = 0.520 ± 0.020")) << words;
+  EXPECT_FALSE(says(words, "explains it")) << words;
+}
+
+TEST(DiagnosisWords, ambiguous_names_the_rival) {
+  const std::string words = diagnosis_in_words(test::sample_ambiguous());
+  EXPECT_TRUE(says(words, "explains it best: ρ = 0.1000 ± 0.0100; but these recordings cannot tell it from quadratic drag.")) << words;
+  EXPECT_TRUE(says(words, "A recording that would tell: start at 2 times the speed (chance 95 %).")) << words;
+  EXPECT_TRUE(says(verdict_in_words(test::sample_ambiguous()), "rolling friction, or quadratic drag"));
+}
+
+TEST(DiagnosisWords, unknown_says_how_little_the_nearest_explains) {
+  const std::string words = diagnosis_in_words(test::sample_unknown());
+  EXPECT_TRUE(says(words, "no effect in the library explains it")) << words;
+  EXPECT_TRUE(says(words, "quadratic drag, removes 30 % of the misfit")) << words;
+  EXPECT_FALSE(says(words, "drag explains it")) << words;
+}
+
+TEST(DiagnosisWords, measurement_and_numerics_blame_no_physics) {
+  const std::string ruler = diagnosis_in_words(test::sample_measurement());
+  EXPECT_TRUE(says(ruler, "length scale (factor = 1.0300 ± 0.0020)") || says(ruler, "Length scale (factor = 1.0300 ± 0.0020)")) << ruler;
+  EXPECT_TRUE(says(ruler, "No physics is missing")) << ruler;
+  EXPECT_FALSE(says(ruler, "slows")) << ruler;
+  const std::string step = diagnosis_in_words(test::sample_numerics());
+  EXPECT_TRUE(says(step, "goes away with a finer simulation (time step)")) << step;
+  EXPECT_FALSE(says(step, "slows")) << step;
+}
+
+TEST(DiagnosisWords, admits_what_is_not_proven) {
+  diagnosis::Diagnosis d = test::sample_missing();
+  d.paired_p = 0.2;
+  EXPECT_TRUE(says(diagnosis_in_words(d), "not yet proven (p = 0.2)"));
+  for (diagnosis::FittedHypothesis& m : d.models) m.held_fit.runs.clear();
+  EXPECT_TRUE(says(diagnosis_in_words(d), "No recording was held out"));
+  d.models[1].held_out.chi2_per_dof = 9;
+  d.remaining_p = 0.002;
+  EXPECT_TRUE(says(diagnosis_in_words(d), "something else is missing too"));
+  d.models[1].held_out.chi2_per_dof = 100;
+  EXPECT_TRUE(says(diagnosis_in_words(d), "does not fall (9.1 σ before, 10 σ after)"));
+  d.interrupted = true;
+  EXPECT_TRUE(diagnosis_in_words(d).starts_with("Interrupted"));
+}
+
+TEST(DiagnosisWords, forces_by_what_they_do) {
+  diagnosis::Located l = test::sample::located(0, 0.1, 0.2, 0.002);
+  l.force = Vec3(0.05, 0, 0);
+  EXPECT_EQ(force_in_words(l), "it gains speed by 0.5 m/s² that the model does not have");
+  l.force = Vec3(0, 0.01, -0.05);
+  EXPECT_EQ(force_in_words(l), "it is pushed towards −z by 0.51 m/s² that the model does not have");
+  l.segment.phase = diagnosis::Phase::impact;
+  l.force = Vec3(0, 0, 2);
+  EXPECT_EQ(force_in_words(l), "its velocity changes by 2 m/s that the model does not have");
+  l.force_se = Vec3::Constant(2);
+  EXPECT_EQ(force_in_words(l), "");
+}
+
+TEST(DiagnosisValues, symbols_and_units) {
+  EXPECT_EQ(symbol_of("pairs.a-b.rolling_friction"), "ρ");
+  EXPECT_EQ(symbol_of("effects.uniform_force.force.2"), "force z");
+  EXPECT_EQ(symbol_of("effects.gravity_tilt.y_deg"), "y");
+  EXPECT_EQ(written_unit("m/s^2"), "m/s²");
+  EXPECT_EQ(written_unit("1"), "");
+  EXPECT_EQ(value_in_words(test::sample::estimate("x_deg", "deg", "", 2.5, 0.25)), "2.50 ± 0.25°");
+}
+
+TEST(DiagnosisValues, a_value_of_each_run_is_given_as_their_mean) {
+  const diagnosis::Diagnosis d = test::sample_measurement();
+  const auto offset = parameters_of(d.models[1], "time_offset");
+  ASSERT_EQ(offset.size(), 1U);
+  // Of 0.010, 0.011, 0.012, 0.013: mean 0.0115, standard error 0.00129099 / 2, t(0.95, 3) = 2.353363.
+  EXPECT_NEAR(offset[0].value, 0.0115, 1e-12);
+  EXPECT_NEAR(offset[0].upper - offset[0].value, 2.353363 * 0.00129099 / 2, 1e-8);
+}
+
+TEST(DiagnosisProgress, never_falls_and_never_ends_too_soon) {
+  DiagnosisProgress progress;
+  EXPECT_EQ(progress.share("calibrating the nominal scene", 0, 1), 0);
+  EXPECT_EQ(progress.left(1), 0);
+  double last = 0;
+  for (const char* stage : {"screening candidates", "fitting candidates: friction", "screening candidates", "a stage without a name", "a finer step",
+                            "runs that were held out", "a recording that would tell more"})
+    for (const double done : {0.0, 1.0, 2.0}) {
+      const double share = progress.share(stage, done, 2);
+      EXPECT_GE(share, last) << stage;
+      EXPECT_LT(share, 1) << stage;
+      last = share;
+    }
+  EXPECT_GT(last, 0.9);
+  EXPECT_NEAR(progress.left(30), 30 * (1 - last) / last, 1e-12);
+}
+
+}  // namespace
+}  // namespace repose
