@@ -231,7 +231,7 @@ std::string rounded(double value, std::optional<double> uncertainty) {
 std::string percent(double share) {
   if (share > 0 && share < 0.001) return "< 0.1 %";
   if (share < 1 && share > 0.999) return "> 99.9 %";
-  return fmt::format("{:.{}f} %", 100 * share, share == 0 || share == 1 || (share >= 0.1 && share < 0.95) ? 0 : 1);
+  return fmt::format("{:.{}f} %", 100 * share, share == 0 || share == 1 || (share >= 0.1 && share < 0.99) ? 0 : 1);
 }
 
 std::string to_html(const Report& report) {
