@@ -68,13 +68,23 @@ json backend_json(const Comparison& c, const CompareResults& r, std::size_t k) {
   return j;
 }
 
+// The same number in every run of every backend: agreement that says little.
+bool constant(const json& observable) {
+  for (const json& p : observable["pairs"])
+    if (p.value("difference", json()) != 0 || p.value("se", json()) != 0) return false;
+  for (const auto& [label, v] : observable["values"].items())
+    if (v["sd"] != 0) return false;
+  return true;
+}
+
 std::string headline(const Comparison& c, const json& observables, const json& partings) {
-  std::size_t physics = 0, differ = 0, explained = 0;
+  std::size_t physics = 0, differ = 0, explained = 0, constants = 0;
   std::string most;
   double largest = -1;
   for (const json& o : observables) {
     if (o["kind"] != "physics") continue;
     ++physics;
+    constants += constant(o);
     if (o["verdict"] != "differ") continue;
     ++differ;
     bool by_step = true;
@@ -94,6 +104,7 @@ std::string headline(const Comparison& c, const json& observables, const json& p
   std::string text = differ == 0 ? fmt::format("{} agree about all {} observables {}.", names, physics, among)
                                  : fmt::format("{} agree about {} of {} observables {}; they differ most in {}{}.", names, physics - differ,
                                                physics, among, most, largest > 0 ? fmt::format(" ({:.1f} standard errors)", largest) : "");
+  if (constants > 0) text += fmt::format(" {} of the observables {} the same in every run.", constants, constants == 1 ? "is" : "are");
   if (explained > 0) text += fmt::format(" {} of the {} differences are no larger than what a finer step or tolerance changes.", explained, differ);
   for (const json& p : partings)
     if (p["parted"].is_boolean() && p["parted"].get<bool>())
