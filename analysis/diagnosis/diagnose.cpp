@@ -1,6 +1,7 @@
 #include "analysis/diagnosis/diagnose.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "analysis/diagnosis/combination.hpp"
 #include "core/error.hpp"
 #include "core/random.hpp"
 
@@ -147,7 +149,7 @@ class Diagnosing {
         const Parameter& p = layout.shared[i];
         start.shared[static_cast<Eigen::Index>(i)] = p.lower + share * (std::min(p.upper, p.lower + 10 * std::max(1.0, std::abs(p.start))) - p.lower);
         const Fit other = minimise(problem_, start, fit_options_);
-        if (other.chi2 < best.chi2) best = other;
+        if (other.chi2 < best.chi2 - gains_to_matter) best = other;  // a constant that does nothing stays where it was
       }
     result_.models.clear();
     result_.models.emplace_back();
@@ -331,6 +333,16 @@ class Diagnosing {
     }
   }
 
+  /// Parameters that are determined only together: said in words, for their intervals alone look like ignorance.
+  void note_combinations(const FittedHypothesis& model) {
+    for (const std::vector<std::size_t>& group : only_together(information_of(problem_, model.fit))) {
+      std::vector<std::string> names;
+      for (const std::size_t i : group) names.push_back(model.fit.layout.shared[i].key);
+      result_.notes.push_back(fmt::format("Only a combination of {} is determined by these recordings, not each of them: give one of them to know the others.",
+                                          fmt::join(names, ", ")));
+    }
+  }
+
   void finish() {
     std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
@@ -356,6 +368,7 @@ class Diagnosing {
     FittedHypothesis& best = result_.models[result_.best];
     estimate(result_.models.front());
     if (result_.best != 0) estimate(best);
+    note_combinations(best);
     const PairedGain gain = paired_gain(result_.models.front().held_out, best.held_out);
     result_.paired_p = gain.p;
     result_.effect_size = gain.effect_size;

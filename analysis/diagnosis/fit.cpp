@@ -212,7 +212,7 @@ RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run) {
   return {columns(true), columns(false)};
 }
 
-Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double scale) {
+Eigen::MatrixXd information_of(const Problem& problem, const Fit& fit) {
   const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   for (const std::size_t run : fit.runs) {
@@ -221,7 +221,12 @@ Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double s
     if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
     information += s.transpose() * s;
   }
-  if (n == 0) return {};
+  return information;
+}
+
+Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double scale) {
+  const Eigen::MatrixXd information = information_of(problem, fit);
+  if (information.size() == 0) return {};
   const Eigen::MatrixXd covariance = information.completeOrthogonalDecomposition().pseudoInverse();
   return scale * covariance.diagonal().cwiseMax(0).cwiseSqrt();
 }

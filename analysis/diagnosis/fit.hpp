@@ -41,6 +41,9 @@ struct RunJacobian {
 };
 RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run);
 
+/// J^T J of the shared parameters at the fit, without what the values of each run can imitate.
+Eigen::MatrixXd information_of(const Problem& problem, const Fit& fit);
+
 /// Standard errors of the shared parameters from the curvature at the fit, times `scale`.
 Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double scale);
 
