@@ -42,6 +42,15 @@ says 'absent.yaml'
 expect 2 "$heap" --out "$work/bad" --set grains.powder.siez=1
 [ ! -e "$work/bad/compare.json" ] || fail 'a refused comparison has a result'
 
+# Physics that a backend lacks: refused by name, left out only when asked, and listed.
+slip='effects.rate_dependent_friction={slope: 0.02, reference_speed: 0.1}'
+expect 2 "$heap" --out "$work/bad" --backends dvi,bullet --set "$slip"
+says 'this backend cannot do: rate_dependent_friction'
+says '--allow-unsupported'
+expect 0 "$heap" --out "$work/lacking" --backends dvi,bullet --seeds 2 --no-refine --set "$slip" --allow-unsupported
+says 'bullet leaves out rate_dependent_friction'
+[ "$(grep -A 1 '"unsupported": \[' "$work/lacking/compare.json" | grep -c rate_dependent_friction)" = 1 ] || fail 'the result does not list what one backend lacks'
+
 # A scene without grains: nothing random, the tolerance decides.
 expect 0 "$incline" --out "$work/incline" --quiet --backends dvi,bullet
 says 'agree about all'
