@@ -33,6 +33,11 @@ if [[ -x $bin/repose-run ]] && wanted runs; then
   refuses run_of_a_bad_scene "materials.pa12.density" "did you mean 2.5 g/cm3?" "${run[@]}" --out bad --set materials.pa12.density=2.5
   refuses run_of_a_billion_grains "1e+09 grains" "smaller apparatus" "${run[@]}" --out bad --set grains.powder.count=1000000000
 
+  slip='effects.rate_dependent_friction={slope: 0.02, reference_speed: 0.1}'
+  refuses physics_that_the_backend_lacks "cannot do: rate_dependent_friction" "--allow-unsupported" "${run[@]}" --out bad --backend bullet --set "$slip"
+  accepts physics_left_out_when_asked "${run[@]}" --out lacking --backend bullet --set "$slip" --allow-unsupported
+  accepts physics_left_out_is_listed sh -c 'tr -d " \n" <lacking/result.json | grep -qF "\"unsupported\":[\"rate_dependent_friction\"]"'
+
   echo "in the way" >file
   refuses output_below_a_file "file" "--out" "${run[@]}" --out file/run
   mkdir locked && chmod a-w locked
