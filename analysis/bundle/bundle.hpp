@@ -35,7 +35,7 @@ struct Observation {
   double scalar = 0, sd = 0;     ///< scalar, and its standard deviation (0: not given), in `unit`
 };
 
-/// One run, or one window of it: then several with the same id.
+/// One run, or one window of it.
 struct BundleRun {
   std::string id;
   std::vector<Override> set;      ///< scene keys that differ in this run

@@ -81,6 +81,9 @@ class BundleReader {
         std::all_of(bundle_.runs.begin(), bundle_.runs.end(), [](const BundleRun& r) { return r.held_out; }))
       top.at("runs").fail("every run is held out: nothing is left to fit", "set `held_out: false` for some");
     for (std::string& doubt : doubts_of(bundle_)) bundle_.warnings.push_back(std::move(doubt));
+    // The tool's own split would put windows of one run on both sides.
+    if (windows_ && !bundle_.split_given)
+      top.at("windows").fail("windows of a run must not be judged by others of it", "set `held_out: true` for some runs");
     if (windows_) part_runs();
     return std::move(bundle_);
   }

@@ -1,5 +1,7 @@
 #include "analysis/bundle/windows.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -80,6 +82,7 @@ std::vector<BundleRun> in_windows(const BundleRun& run, double length) {
   for (std::size_t n = 0; n < begins.size(); ++n) {
     BundleRun window = run;
     window.from += begins[n];
+    if (begins.size() > 1) window.id = fmt::format("{}@{:.3f}", run.id, window.from);
     const double until = n + 1 < begins.size() ? std::nextafter(begins[n + 1], 0) : std::numeric_limits<double>::infinity();
     bool enough = true;
     for (Observation& o : window.observations) {
@@ -90,15 +93,6 @@ std::vector<BundleRun> in_windows(const BundleRun& run, double length) {
     if (enough) windows.push_back(std::move(window));
   }
   return windows;
-}
-
-std::vector<std::vector<std::size_t>> whole_runs(const Bundle& bundle) {
-  std::vector<std::vector<std::size_t>> result;
-  for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
-    if (i == 0 || bundle.runs[i].id != bundle.runs[i - 1].id) result.emplace_back();
-    result.back().push_back(i);
-  }
-  return result;
 }
 
 }  // namespace repose

@@ -9,13 +9,11 @@
 
 namespace repose {
 
-/// The run in windows of about `length` [s] > 0 with the same id, settings and free start values. A window ends before
+/// The run in windows of about `length` [s] > 0 with the same settings and free start values; id and beginning name each,
+/// "toss-003@0.251". A window ends before
 /// the sample that begins the next. Beginnings move by up to a third of the length to where the next samples are
 /// smoothest, for a start velocity cannot be read off samples on both sides of an impact. Windows in which an observation
 /// has fewer than two samples are left out; a run without a trajectory is one window.
 std::vector<BundleRun> in_windows(const BundleRun& run, double length);
-
-/// Indices into the bundle's runs, one list for each id: the windows of one run belong together.
-std::vector<std::vector<std::size_t>> whole_runs(const Bundle& bundle);
 
 }  // namespace repose

@@ -8,7 +8,6 @@
 #include "analysis/bundle/csv_table.hpp"
 #include "analysis/bundle/read_bundle.hpp"
 #include "analysis/bundle/sensor.hpp"
-#include "analysis/bundle/windows.hpp"
 #include "analysis/bundle/write_bundle.hpp"
 #include "core/error.hpp"
 
@@ -115,22 +114,28 @@ std::string kinked() {
 
 TEST_F(BundleFiles, WindowsHoldEverySampleOnceAndBeginWhereThePathIsSmooth) {
   write("a.csv", kinked());
-  write("recording.yaml", yaml("    free: [bodies.ball.velocity]\n", "windows: 0.2 s\n"));
+  const std::string twin =
+      "  - id: b\n    held_out: true\n    free: [bodies.ball.velocity]\n"
+      "    observables: [{kind: trajectory, body: ball, file: a.csv}]\n";
+  write("recording.yaml", yaml("    free: [bodies.ball.velocity]\n", "windows: 0.2 s\n") + twin);
   const Bundle bundle = read_bundle(folder);
-  ASSERT_EQ(bundle.runs.size(), 3u);
+  ASSERT_EQ(bundle.runs.size(), 6u);
+  EXPECT_EQ(bundle.runs[0].id, "a@0.000");
+  EXPECT_EQ(bundle.runs[3].id, "b@0.000");
   std::size_t samples = 0;
   for (const BundleRun& window : bundle.runs) {
-    EXPECT_EQ(window.id, "a");
+    EXPECT_EQ(window.held_out, window.id[0] == 'b');
     EXPECT_EQ(window.observations[0].time.front(), 0);
     samples += window.observations[0].time.size();
     EXPECT_FALSE(window.from > 0.235 && window.from < 0.295) << window.from;
   }
-  EXPECT_EQ(samples, 61u);
+  EXPECT_EQ(samples, 2 * 61u);
   EXPECT_EQ(bundle.runs[0].from, 0);
-  EXPECT_EQ(whole_runs(bundle), (std::vector<std::vector<std::size_t>>{{0, 1, 2}}));
 
   write("recording.yaml", yaml("", "windows: 0.2 s\n"));
   expect_refusal("runs", "free");
+  write("recording.yaml", yaml("    free: [bodies.ball.velocity]\n", "windows: 0.2 s\n"));
+  expect_refusal("windows", "held_out");
 }
 
 TEST_F(BundleFiles, StartValuesMayBeComponentsAndNumbers) {
