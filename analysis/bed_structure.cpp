@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "analysis/silhouette.hpp"
 #include "analysis/statistics.hpp"
 #include "core/error.hpp"
 
@@ -36,11 +35,10 @@ struct Stretch {
 };
 
 /// The stretch of each part over each line, by line, above the plate.
-std::vector<std::vector<Stretch>> stretches(const Model& model, const Snapshot& state, const HeightGrid& lines) {
+std::vector<std::vector<Stretch>> stretches(const Model& model, const Snapshot& state, const SurfaceRegion& region,
+                                            const HeightGrid& lines) {
   std::vector<std::vector<Stretch>> result(lines.height.size());
-  std::vector<int> grains;
-  for_each_grain(model, [&](std::size_t i, const Body&) { grains.push_back(static_cast<int>(i)); });
-  for (const GrainPart& part : grain_parts(model, state, grains)) {
+  for (const GrainPart& part : grain_parts_over(model, state, region)) {
     GrainPart mirrored = part;  // upside down: its top is the bottom
     mirrored.centre.z() *= -1;
     mirrored.axis.z() *= -1;
@@ -126,7 +124,7 @@ HighestGrains highest_grains(const Model& model, const Snapshot& state, const Su
   };
   for_each_grain(model, [&](std::size_t i, const Body&) {
     raise(result.centre, state.position[i]);
-    raise(result.top, highest_point(model, state, static_cast<int>(i)));
+    raise(result.top, model.periodic.wrapped(highest_point(model, state, static_cast<int>(i))));
   });
   return result;
 }
@@ -134,7 +132,7 @@ HighestGrains highest_grains(const Model& model, const Snapshot& state, const Su
 Packing packing_of_bed(const Model& model, const Snapshot& state, const SurfaceRegion& region, double spacing, double slab, double block) {
   if (!(slab > 0) || !(block > 0)) throw Error("layer", "slabs and blocks need a positive size", "");
   const HeightGrid lines = empty_grid(region, spacing);
-  std::vector<std::vector<Stretch>> line = stretches(model, state, lines);
+  std::vector<std::vector<Stretch>> line = stretches(model, state, region, lines);
   double highest = 0;
   for (std::vector<Stretch>& l : line) {
     merge(l);

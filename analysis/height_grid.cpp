@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "analysis/silhouette.hpp"
 #include "core/error.hpp"
 
 namespace repose {
@@ -21,20 +20,37 @@ HeightGrid empty_grid(const SurfaceRegion& region, double cell) {
   return grid;
 }
 
-HeightGrid height_grid(const Model& model, const Snapshot& state, const SurfaceRegion& region, double cell) {
+std::vector<GrainPart> grain_parts_over(const Model& model, const Snapshot& state, const SurfaceRegion& region) {
   if (state.size() != model.bodies.size())
     throw Error("layer", "the state has another number of bodies than the model", "read both from the same run");
-  HeightGrid grid = empty_grid(region, cell);
-  std::vector<int> grains;
+  const PeriodicCell& cell = model.periodic;
+  for (int axis = 0; axis < 2; ++axis)
+    if (cell.along(axis) && !(region.lower[axis] >= cell.lower[axis] && region.upper[axis] <= cell.upper[axis]))
+      throw Error("layer.region", "reaches out of the periodic cell: the same powder would count twice", "keep it within the cell");
+  std::vector<GrainPart> result;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
     if (body.role != BodyRole::grain) continue;
     const double reach = body.scale * model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius;
-    const Vec2 at = state.position[i].head<2>();
-    if ((at.array() + reach >= region.lower.array()).all() && (at.array() - reach <= region.upper.array()).all())
-      grains.push_back(static_cast<int>(i));
+    const Vec3& place = state.position[i];
+    std::vector<GrainPart> parts;
+    cell.each_image(place, reach, [&](const Vec3& image) {
+      const Vec2 at = image.head<2>();
+      if (!(at.array() + reach >= region.lower.array()).all() || !(at.array() - reach <= region.upper.array()).all()) return true;
+      if (parts.empty()) parts = grain_parts(model, state, {static_cast<int>(i)});
+      for (GrainPart part : parts) {
+        part.centre += image - place;
+        result.push_back(part);
+      }
+      return true;
+    });
   }
-  for (const GrainPart& part : grain_parts(model, state, grains)) {
+  return result;
+}
+
+HeightGrid height_grid(const Model& model, const Snapshot& state, const SurfaceRegion& region, double cell) {
+  HeightGrid grid = empty_grid(region, cell);
+  for (const GrainPart& part : grain_parts_over(model, state, region)) {
     const double reach = part.reach();
     const Vec2 at = part.centre.head<2>() - grid.origin;
     const auto first = [&](double x, int n) { return std::clamp(static_cast<int>(std::floor((x - reach) / cell)), 0, n); };

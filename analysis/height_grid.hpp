@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/silhouette.hpp"
 #include "core/model.hpp"
 
 namespace repose {
@@ -37,6 +38,10 @@ struct SurfaceRegion {
 /// The grid without any grain. Throws Error unless the cell is positive and fits into the region.
 HeightGrid empty_grid(const SurfaceRegion& region, double cell);
 
+/// The parts of all grains that may reach over the region; in a periodic cell also those of their images. Throws Error if the
+/// region reaches out of the cell, or the state is of another model.
+std::vector<GrainPart> grain_parts_over(const Model& model, const Snapshot& state, const SurfaceRegion& region);
+
 /// Height of the highest grain surface over the middle of each cell, in closed form for every grain shape (silhouette.hpp).
 HeightGrid height_grid(const Model& model, const Snapshot& state, const SurfaceRegion& region, double cell);
 
@@ -51,7 +56,7 @@ struct NamedGrid {
 /// voxel of 5e-6 for one without volume). Metadata: `cells` (nx, ny, 1), `origin` and `cell` [m]. Written aside and renamed. Throws Error.
 void write_vdb(const std::filesystem::path& file, const std::vector<NamedGrid>& grids);
 
-/// What write_vdb wrote, bit for bit. Throws Error naming the file.
+/// What write_vdb wrote, bit for bit, in the order of the names. Throws Error naming the file.
 std::vector<NamedGrid> read_vdb(const std::filesystem::path& file);
 
 }  // namespace repose

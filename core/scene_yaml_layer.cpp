@@ -79,10 +79,15 @@ void add_walls(const YamlReader& reader, Scene& scene) {
 }
 
 void read_sides(const YamlReader& reader, Scene& scene) {
-  reader.only({"kind", "material", "x", "y", "z"});
-  switch (reader.at("kind").choice({"walls"})) {
-    case 0: add_walls(reader, scene); break;
+  if (reader.at("kind").choice({"periodic", "walls"}) == 1) {
+    reader.only({"kind", "material", "x", "y", "z"});
+    add_walls(reader, scene);
+    return;
   }
+  reader.only({"kind", "y"});
+  const Vec2 y = read_span(reader.at("y"));
+  scene.periodic.lower.y() = y.x();
+  scene.periodic.upper.y() = y.y();
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ void read_periodic(const YamlReader& block, Scene& scene) {
   for (int axis = 0; axis < 2; ++axis) {
     if (!block.has(names[axis])) continue;
     const YamlReader bounds = block.at(names[axis]);
+    if (scene.periodic.along(axis)) bounds.fail("`layer.sides` makes this axis periodic already", "leave one of the two out");
     const std::vector<double> pair = bounds.numbers(any(dimension::length), 2);
     if (!(pair[0] < pair[1]))
       bounds.fail(fmt::format("the upper bound, {:.6g} m, is not above the lower, {:.6g} m", pair[1], pair[0]),

@@ -36,6 +36,17 @@ void take_over(const Model& from, const Snapshot& state, Model& to) {
   }
 }
 
+/// How much higher the surface stands after than before; the Gaussian mean over a square's edge, because cell by cell a grain that
+/// rolled aside is a spot of its own height. Black where there is a hole in either.
+std::string draw_thickness(const LayerMeasurement& m, double square) {
+  HeightGrid map = m.after.grid;
+  for (std::size_t k = 0; k < map.height.size(); ++k) map.height[k] -= m.before.grid.height[k];
+  map = gaussian_mean(map, square);
+  const HeightFigures f = height_figures(map);
+  const double low = f.quantile[1], high = f.quantile[7];
+  return encode_png(height_picture({{"layer thickness", map.nx, map.ny, &map.height}}, map.cell, low, high > low ? high : low + map.cell, "thickness"));
+}
+
 std::string draw_surfaces(const LayerMeasurement& m) {
   // One scale, from the 0.1 % to the 99.9 % quantile of both: a single deep hole would flatten all colours.
   const double low = std::min(m.before.heights.quantile.front(), m.after.heights.quantile.front());
@@ -101,7 +112,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   const std::string picture = draw_surfaces(layer);
   write_atomically(options.out / "surface.png", picture);
   write_atomically(options.out / "report.html",
-                   report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture})));
+                   report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture, draw_thickness(layer, setup.square)})));
   result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
   write_result(options.out / "result.json", result.dump(2));
   tell(layer, setup, path, *bed, report, options);

@@ -274,6 +274,7 @@ report::Report layer_report(const LayerReportInput& in) {
                   {profile_chart(in),
                    histogram_chart("Heights", "Heights of the cells of the surface.", as_doubles(m.before.grid), as_doubles(m.after.grid)),
                    histogram_chart("Highest grains, tops", "Highest point of the highest grain in each square.", m.before.highest.top, m.after.highest.top),
+                   Picture{in.thickness_png, "Layer thickness: the surface after minus the surface before, mean over a Gaussian as wide as a square (1 % to 99 %).", ""},
                    surface_table(m), highest_table(m)}};
   page.sections.push_back(std::move(surface));
   Section bed{"Bed", {}};

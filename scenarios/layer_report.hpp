@@ -16,7 +16,7 @@ struct LayerReportInput {
   const LayerMeasurement& layer;
   const SpreaderPath& path;
   const Bed& bed;
-  const std::string& surface_png;
+  const std::string &surface_png, &thickness_png;
 };
 
 report::Report layer_report(const LayerReportInput& in);

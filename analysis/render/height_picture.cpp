@@ -70,7 +70,7 @@ void draw_colour_bar(Image& image, const Typesetter& type, int left, int top, in
   for (double z = std::ceil(low / step) * step; z <= high * (1 + 1e-9); z += step) {
     const double y = top + height * (1 - (z - low) / (high - low));
     for (int column = 0; column < 6; ++column) paint(image, left + static_cast<int>(bar_width) + column, static_cast<int>(y), ink);
-    type.draw(image, left + bar_width + 10, y + 0.35 * text_size, fmt::format("{:.0f} µm", z * 1e6), 0.85 * text_size, ink);
+    type.draw(image, left + bar_width + 10, y + 0.35 * text_size, fmt::format("{:.0f} µm", std::round(z * 1e6) + 0.0), 0.85 * text_size, ink);
   }
   type.draw(image, left, top - 10, quantity, text_size, ink);
 }

@@ -220,6 +220,27 @@ TEST(SceneYaml, FilesAreNamedInMessages) {
   EXPECT_THROW(load_scene("."), Error);
 }
 
+TEST(SceneYaml, SidesOfALayerArePeriodicOrWalls) {
+  const auto layer = [](const std::string& sides, const std::string& more = "") {
+    return parse("materials: {a: {density: 1000}}\nbodies: {}\ngrains: {p: {material: a, count: 1, size: 50 um, fill: {box: {lower: [0, 0, 0], upper: "
+                 "[1 mm, 1 mm, 1 mm]}}}}\ntools: {r: {type: roller, material: a, diameter: 10 mm, width: 1 mm}}\nduration: 1\nlayer: {spreader: r, gap: "
+                 "50 um, speed: 1 mm/s, to: 1 mm, settle: 1, settle_time_step: 1.0e-4, region: {lower: [0, 0], upper: [1 mm, 1 mm]}, surface: {cell: 5 um, "
+                 "square: 50 um}, sides: " + sides + "}\n" + more);
+  };
+  const Scene cell = layer("{kind: periodic, y: [-1 mm, 2 mm]}");
+  EXPECT_FALSE(cell.periodic.along(0));
+  EXPECT_DOUBLE_EQ(cell.periodic.lower.y(), -1e-3);
+  EXPECT_DOUBLE_EQ(cell.periodic.length(1), 3e-3);
+  EXPECT_EQ(cell.tools.size(), 1U);
+  EXPECT_TRUE(layer("{kind: periodic, y: [-1 mm, 2 mm]}", "periodic: {x: [0, 1]}\n").periodic.along(0));
+  EXPECT_THROW(layer("{kind: periodic, y: [-1 mm, 2 mm]}", "periodic: {y: [0, 1]}\n"), Error);
+  EXPECT_THROW(layer("{kind: periodic, y: [2 mm, -1 mm]}"), Error);
+  EXPECT_THROW(layer("{kind: periodic, material: a, y: [-1 mm, 2 mm]}"), Error);
+  const Scene walls = layer("{kind: walls, material: a, x: [0, 1 mm], y: [0, 1 mm], z: [0, 1 mm]}");
+  EXPECT_FALSE(walls.periodic.any());
+  EXPECT_EQ(walls.tools.size(), 3U);
+}
+
 TEST(SceneYaml, ReadsMeshesAndRefusesBrokenOnes) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "scene_yaml_test";
   std::filesystem::create_directories(folder);
