@@ -8,8 +8,10 @@
 #include "analysis/bundle/read_bundle.hpp"
 #include "analysis/diagnosis/diagnose.hpp"
 #include "backends/backends.hpp"
+#include "core/effect_library.hpp"
 #include "core/error.hpp"
 #include "core/recording.hpp"
+#include "core/yaml_reader.hpp"
 #include "scenarios/command_line.hpp"
 #include "scenarios/diagnosis_json.hpp"
 #include "scenarios/diagnosis_progress.hpp"
@@ -25,6 +27,7 @@ using namespace repose;
 
 struct Own {
   std::string root;
+  std::vector<std::string> candidates;
   int runs = 8, held_out = 8, replicas = 499;
 };
 
@@ -36,8 +39,22 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Options& opti
                                                            {"runs fitted, at most", std::to_string(own.runs)},
                                                            {"held-out runs, at most", std::to_string(own.held_out)},
                                                            {"version", fmt::format("{} ({})", version(), commit())}};
+  if (!own.candidates.empty()) list.emplace_back("candidates", fmt::format("{}", fmt::join(own.candidates, ", ")));
   for (const Override& o : options.overrides) list.emplace_back("--set " + o.path, o.value);
   return list;
+}
+
+/// Refuses names that the library does not have.
+CLI::Validator known_effect() {
+  return CLI::Validator(
+      [](const std::string& name) {
+        std::vector<std::string> names;
+        for (const EffectRow& row : effect_library()) names.push_back(row.name);
+        if (find_effect(name) != nullptr) return std::string();
+        const Suggestion suggestion = suggest("no such effect:", name, names);
+        return suggestion.problem + "\n  " + suggestion.remedy;
+      },
+      "");
 }
 
 int run(const Options& options, const Own& own) {
@@ -54,6 +71,7 @@ int run(const Options& options, const Own& own) {
   how.max_train_runs = own.runs;
   how.max_held_out_runs = own.held_out;
   how.replicas = own.replicas;
+  how.candidates = own.candidates;
   how.interrupted = interrupted;
   const auto begun = std::chrono::steady_clock::now();
   DiagnosisProgress progress;
@@ -111,6 +129,10 @@ int main(int argc, char** argv) {
     app.add_option("--root", own.root, "where the CSV files lie (default: beside recording.yaml)")->type_name("DIR");
     app.add_option("--runs", own.runs, "at most so many runs are fitted (default 8)")->type_name("N")->check(CLI::Range(1, 10000));
     app.add_option("--held-out-runs", own.held_out, "at most so many held-out runs are judged (default 8)")->type_name("N")->check(CLI::Range(1, 10000));
+    app.add_option("--candidates", own.candidates, "only these effects are tried, parted by commas (default: the whole library)")
+        ->type_name("NAMES")
+        ->delimiter(',')
+        ->check(known_effect());
     app.add_option("--replicas", own.replicas, "of noise, for p values (default 499)")->type_name("N")->check(CLI::Range(99, 100000));
   });
 }

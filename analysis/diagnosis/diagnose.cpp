@@ -161,7 +161,9 @@ class Diagnosing {
 
   /// Steps 4 to 7: what each effect could explain at first order; where an unknown force would help.
   void screen_candidates() {
-    const std::vector<Term> terms = possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale());
+    std::vector<Term> terms = possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale());
+    if (const auto& only = options_.candidates; !only.empty())
+      std::erase_if(terms, [&](const Term& term) { return std::find(only.begin(), only.end(), term.row->name) == only.end(); });
     result_.screened = screen_about(nominal_fit(), *nominal_, terms, "screening candidates");
     screen_null_ = null_of(result_.screened, *nominal_);
     double largest = 0;

@@ -26,6 +26,7 @@ struct DiagnoseOptions {
   int max_train_runs = 8, max_held_out_runs = 8;
   int replicas = 499;
   int joint_fits = 6;       ///< candidates of the screening that are fitted jointly
+  std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
   std::function<void(const std::string& stage, double done, double total)> progress;
   std::function<bool()> interrupted;
 };
