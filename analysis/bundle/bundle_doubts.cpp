@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "analysis/bundle/read_bundle.hpp"
 
 namespace repose {
 namespace {
+
+constexpr double longest_fair_gap = 50;     // times the usual interval
+constexpr double shortest_fair_part = 300;  // the scene lasts at most so many times longer than its record
 
 /// Equal numbers; two missing ones are equal, too.
 bool same(const std::vector<double>& a, const std::vector<double>& b) {
@@ -44,6 +48,48 @@ bool stands_still(const Observation& o) {
   return o.kind == ObservableKind::trajectory || o.kind == ObservableKind::series;
 }
 
+/// Longest interval between samples over the middle one; 1 with fewer than five.
+double longest_gap(const std::vector<double>& time) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time.size(); ++i) intervals.push_back(time[i] - time[i - 1]);
+  if (intervals.size() < 4) return 1;
+  std::sort(intervals.begin(), intervals.end());
+  return intervals.back() / intervals[intervals.size() / 2];
+}
+
+void doubt_clocks(const BundleRun& run, const Scene& scene, std::vector<std::string>& doubts) {
+  const Observation* latest_begin = nullptr;
+  const Observation* earliest_end = nullptr;
+  for (const Observation& o : run.observations) {
+    if (o.time.empty() || o.kind == ObservableKind::profile) continue;
+    if (latest_begin == nullptr || o.time.front() > latest_begin->time.front()) latest_begin = &o;
+    if (earliest_end == nullptr || o.time.back() < earliest_end->time.back()) earliest_end = &o;
+    if (longest_gap(o.time) > longest_fair_gap)
+      doubts.push_back(fmt::format("run {}: `{}` has a gap {:.0f} times as long as its usual interval; was the clock set, or were samples lost?", run.id,
+                                   o.name, longest_gap(o.time)));
+    if (o.time.back() < scene.duration / shortest_fair_part && o.time.size() > 4)
+      doubts.push_back(fmt::format("run {}: `{}` ends after {:.3g} s of the scene's {:.3g} s; are its times in seconds?", run.id, o.name, o.time.back(),
+                                   scene.duration));
+  }
+  if (latest_begin != nullptr && latest_begin->time.front() > earliest_end->time.back())
+    doubts.push_back(fmt::format("run {}: `{}` begins after `{}` has ended; do they share one clock?", run.id, latest_begin->name, earliest_end->name));
+}
+
+/// A start value to be estimated of a body that the run does not show.
+void doubt_start_values(const BundleRun& run, std::vector<std::string>& doubts) {
+  for (const std::string& key : run.free) {
+    bool placed = false, turned = false;
+    for (const Observation& o : run.observations) {
+      if (!key.starts_with("bodies." + o.body + ".")) continue;
+      placed = true;
+      turned = turned || !o.orientation.empty();
+    }
+    const bool turning = key.ends_with(".orientation") || key.ends_with(".angular_velocity");
+    if (!placed || (turning && !turned))
+      doubts.push_back(fmt::format("run {}: nothing recorded shows `{}`; it stays as in the scene", run.id, key));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_of(const Bundle& bundle) {
@@ -56,6 +102,8 @@ std::vector<std::string> doubts_of(const Bundle& bundle) {
                         bundle.runs[j].id, bundle.runs[i].id));
         break;
       }
+    doubt_clocks(bundle.runs[i], bundle.scene, doubts);
+    doubt_start_values(bundle.runs[i], doubts);
     for (const Observation& o : bundle.runs[i].observations) {
       if (stands_still(o))
         doubts.push_back(fmt::format("run {}: `{}` never changes; is the sensor alive?", bundle.runs[i].id, o.name));

@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "analysis/bundle/bundle_units.hpp"
+#include "analysis/bundle/numeric_key.hpp"
 #include "analysis/bundle/windows.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
@@ -24,7 +26,7 @@ fs::path recording_file(const fs::path& path) {
     throw Error(path.string(), "no such bundle", "name a folder that holds recording.yaml");
   if (!fs::is_directory(path, ignored)) return path;
   const fs::path file = path / "recording.yaml";
-  if (!fs::exists(file, ignored))
+  if (!fs::is_regular_file(file, ignored))
     throw Error(path.string(), "holds no recording.yaml", "a bundle is a folder with recording.yaml and CSV files");
   return file;
 }
@@ -70,6 +72,7 @@ class BundleReader {
       for (const YamlReader& item : top.at("calibrate").items()) {
         bundle_.calibrate.push_back(item.text());
         check_key(item, item.text(), "0.1", scene_tree_, bundle_.scene_file.string());
+        check_numeric_key(item, item.text(), scene_tree_, false);
       }
     if (top.has("windows")) windows_ = top.at("windows").number(positive(dimension::time));
     const std::vector<YamlReader> runs = top.at("runs").items();
@@ -96,8 +99,8 @@ class BundleReader {
   void read_scene(const YamlReader& reader) {
     bundle_.scene_file = folder_of(file_) / reader.text();
     std::error_code ignored;
-    if (!fs::exists(bundle_.scene_file, ignored))
-      reader.fail(fmt::format("there is no {}", bundle_.scene_file.string()),
+    if (!fs::is_regular_file(bundle_.scene_file, ignored))
+      reader.fail(fmt::format("there is no file {}", bundle_.scene_file.string()),
                   "the scene's file name is relative to recording.yaml");
     bundle_.scene = load_scene(bundle_.scene_file, overrides_);
     scene_tree_ = parse_yaml(bundle_.scene.text, bundle_.scene_file.string());
@@ -134,6 +137,7 @@ class BundleReader {
       for (const YamlReader& item : reader.at("free").items()) {
         run.free.push_back(item.text());
         check_key(item, item.text(), start_text(item.text()), tree, bundle_.scene_file.string());
+        check_numeric_key(item, item.text(), tree, true);
       }
     if (reader.has("held_out")) {
       run.held_out = reader.at("held_out").flag();
@@ -145,6 +149,7 @@ class BundleReader {
     if (reader.has("from") || reader.has("until")) read_window(reader, run);
     if (windows_ && run.free.empty())
       reader.fail("`windows` begin anew, but this run has no `free` start values", "name its start values in `free`");
+    check_scales(run, scene);
     bundle_.runs.push_back(std::move(run));
   }
 

@@ -13,7 +13,7 @@ namespace repose {
 /// `path`: the folder, or its recording.yaml. `root`: where the CSV files lie; empty: beside recording.yaml.
 /// `overrides` change the nominal scene. Throws Error naming file, line and key or column for: missing files, unknown
 /// keys (with the nearest), runs of the same id, bodies that the scene does not have, scene keys that it refuses, times
-/// that do not ascend, numbers that are not finite, quaternions off unit length by more than 1 %, an observation
+/// that do not ascend, lengths and times in another unit (bundle_units.hpp), numbers that are not finite, quaternions off unit length by more than 1 %, an observation
 /// without two samples (in all, or in the window `from` <= time <= `until` of its run, both optional and on the
 /// recording's clock), doubtful observable names. What is doubtful but possible is a warning of the bundle.
 Bundle read_bundle(const std::filesystem::path& path, const std::filesystem::path& root = {},
@@ -29,7 +29,8 @@ void cut(Observation& observation, double from, double until);
 /// Names with a meaning; other series are kept, but nothing simulated can be compared with them.
 const std::vector<std::string>& reserved_series();
 
-/// What is doubtful in the data of a bundle: the same data twice, a rate that varies wildly, a record of one place.
+/// What is doubtful in the data of a bundle: the same data twice, long gaps, clocks that do not meet, a record of one place, start values
+/// that nothing shows.
 std::vector<std::string> doubts_of(const Bundle& bundle);
 
 }  // namespace repose

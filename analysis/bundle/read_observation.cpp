@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
+#include "analysis/bundle/bundle_units.hpp"
 #include "analysis/bundle/csv_table.hpp"
 #include "analysis/bundle/read_bundle.hpp"
 #include "core/error.hpp"
@@ -138,14 +140,22 @@ void read_surface(const CsvTable& table, Observation& o) {
   }
   if (o.at.size() < 4)
     throw Error(table.name, "a surface of fewer than four points", "give a grid of two by two at least");
+  const std::set<double> xs(o.at.begin(), o.at.end()), ys(o.at_y.begin(), o.at_y.end());
+  if (xs.size() * ys.size() != o.at.size())
+    throw Error(table.name, fmt::format("{} points do not make a grid of {} x by {} y", o.at.size(), xs.size(), ys.size()),
+                "give every x with every y once; where nothing was seen, leave the height empty");
 }
 
 std::string read_body(const YamlReader& entry, const Scene& scene) {
   const YamlReader reader = entry.at("body");
   const std::string name = reader.text();
   std::vector<std::string> names;
-  for (const SceneBody& body : scene.bodies) names.push_back(body.name);
-  for (const Tool& tool : scene.tools) names.push_back(tool.name);
+  for (const SceneBody& body : scene.bodies) {
+    const bool moves = !body.fixed && !body.motion;
+    if (moves) names.push_back(body.name);
+    if (!moves && body.name == name)
+      reader.fail(fmt::format("body `{}` is fixed or driven in the scene: its path tells nothing", name), "name a body that moves freely");
+  }
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;
   const Suggestion suggestion = suggest("the scene has no body", name, names);
   reader.fail(suggestion.problem, suggestion.remedy);
@@ -215,6 +225,7 @@ Observation read_observation(const YamlReader& entry, const std::filesystem::pat
   if (o.kind == ObservableKind::scalar) {
     o.scalar = entry.at("value").number(any(dimension::none));
     if (entry.has("sd")) o.sd = entry.at("sd").number(positive(dimension::none));
+    turn_into_si(entry, o);
     return o;
   }
   o.file = entry.at("file").text();
@@ -225,6 +236,7 @@ Observation read_observation(const YamlReader& entry, const std::filesystem::pat
       break;
     case ObservableKind::series:
       read_series(table, o);
+      turn_into_si(entry, o);
       break;
     case ObservableKind::profile:
       read_profile(table, o);

@@ -82,7 +82,7 @@ class Draft {
         const double size = v.norm();
         for (int k = 0; k < 3; ++k)
           if (v[k] != 0) v[k] += start_error * size * normal(random_);
-        o.value = fmt::format("[{}, {}, {}]", v.x(), v.y(), std::max(v.z(), e_.family == "throw" || e_.family == "accelerometer" ? -1e9 : v.z()));
+        o.value = fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
       }
       true_sets_.push_back(std::move(set));
     }

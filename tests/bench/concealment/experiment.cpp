@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -25,16 +26,18 @@ Ball draw_ball(Random& random, double lightest, double heaviest) {
   return {random.uniform(0.015, 0.035), log_uniform(random, lightest, heaviest)};
 }
 
-/// Scene text: a ball at `position`, over a floor unless it flies, and further bodies.
-std::string scene_of(const Ball& ball, const Vec3& position, double duration, bool floor, const std::string& more = "",
+/// Scene text: a ball at `position`, over a floor unless it flies, and further bodies. `other`: the material that the ball meets.
+std::string scene_of(const Ball& ball, const Vec3& position, double duration, const std::string& other, const std::string& more = "",
                      const std::string& top = "") {
+  const bool floor = other == "stone";
+  const std::string first = std::min<std::string>("ball", other), second = std::max<std::string>("ball", other);
   return fmt::format(
-      "materials: {{ball: {{density: {}}}, stone: {{density: 2500}}, bead: {{density: 2600}}}}\n"
-      "pairs: {{ball-stone: {{cohesion: 0}}, ball-ball: {{cohesion: 0}}, ball-bead: {{cohesion: 0}}}}\n"
+      "materials: {{ball: {{density: {}}}, stone: {{density: 2500}}, bead: {{density: 2600}}}}\n{}"
       "shapes: {{ball: {{type: sphere, radius: {}}}, floor: {{type: half_space}}}}\n"
       "bodies:\n{}  ball: {{shape: ball, material: ball, position: {}, velocity: [0, 0, 0], angular_velocity: [0, 0, 0]}}\n{}"
       "{}solver: {{time_step: 1.0e-3, tolerance: 1.0e-6}}\nduration: {}\n",
-      ball.density, ball.radius, floor ? "  floor: {shape: floor, material: stone, fixed: true}\n" : "", text(position), more, top, duration);
+      ball.density, other.empty() ? "" : fmt::format("pairs: {{{}-{}: {{cohesion: 0}}}}\n", first, second), ball.radius,
+      floor ? "  floor: {shape: floor, material: stone, fixed: true}\n" : "", text(position), more, top, duration);
 }
 
 Observation path_of(const std::string& body) {
@@ -66,7 +69,7 @@ Experiment thrown(Random& random) {
   const bool two = random.uniform() < 0.5;
   const std::string bead =
       "  bead: {shape: ball, material: bead, position: [0, 0.5, 1], velocity: [1.5, 0, 2], angular_velocity: [0, 0, 0]}\n";
-  e.scene = scene_of(ball, {0, 0, 1}, random.uniform(0.4, 0.7), false, two ? bead : "");
+  e.scene = scene_of(ball, {0, 0, 1}, random.uniform(0.4, 0.7), two ? "bead" : "", two ? bead : "");
   if (two) e.observables.push_back(path_of("bead"));
   plan_runs(e, [&] {
     return std::vector<Override>{{velocity, text({random.uniform(1, 5), random.uniform(-1, 1), random.uniform(0, 3)})},
@@ -92,7 +95,7 @@ Experiment thrown(Random& random) {
 Experiment rolled(Random& random) {
   Experiment e = watched("roll", random);
   const Ball ball = draw_ball(random, 100, 2000);
-  e.scene = scene_of(ball, {0, 0, ball.radius}, random.uniform(0.6, 0.9), true);
+  e.scene = scene_of(ball, {0, 0, ball.radius}, random.uniform(0.6, 0.9), "stone");
   e.constants = {{"pairs.ball-stone.friction", fmt::format("{}", random.uniform(0.2, 0.5))}};
   e.knob = "pairs.ball-stone.friction";
   e.knob_lower = 0.05;
@@ -120,7 +123,7 @@ Experiment rolled(Random& random) {
 Experiment slid(Random& random) {
   Experiment e = watched("slide", random);
   const Ball ball = draw_ball(random, 300, 2000);
-  e.scene = scene_of(ball, {0, 0, 0.02}, 0.5, true);
+  e.scene = scene_of(ball, {0, 0, 0.02}, 0.5, "stone");
   const std::string from = "{type: sphere, radius: " + fmt::format("{}", ball.radius) + "}";
   e.scene.replace(e.scene.find(from), from.size(), "{type: box, size: [0.1, 0.1, 0.04]}");
   e.constants = {{"pairs.ball-stone.friction", fmt::format("{}", random.uniform(0.15, 0.35))}};
@@ -154,7 +157,7 @@ Experiment slid(Random& random) {
 Experiment bounced(Random& random) {
   Experiment e = watched("bounce", random);
   const Ball ball = draw_ball(random, 60, 1500);
-  e.scene = scene_of(ball, {0, 0, 0.3}, random.uniform(0.6, 0.9), true);
+  e.scene = scene_of(ball, {0, 0, 0.3}, random.uniform(0.6, 0.9), "stone");
   e.constants = {{"pairs.ball-stone.friction", fmt::format("{}", random.uniform(0.2, 0.5))},
                  {"pairs.ball-stone.restitution", fmt::format("{}", random.uniform(0.5, 0.9))}};
   e.knob = "pairs.ball-stone.restitution";
@@ -187,7 +190,7 @@ Experiment bounced(Random& random) {
 Experiment spun(Random& random) {
   Experiment e = watched("spin", random);
   const Ball ball = draw_ball(random, 100, 2000);
-  e.scene = scene_of(ball, {0, 0, ball.radius}, random.uniform(0.6, 0.9), true);
+  e.scene = scene_of(ball, {0, 0, ball.radius}, random.uniform(0.6, 0.9), "stone");
   e.constants = {{"pairs.ball-stone.friction", "0.3"}, {"pairs.ball-stone.spinning_friction", fmt::format("{}", random.uniform(0.01, 0.05))}};
   e.knob = "pairs.ball-stone.spinning_friction";
   e.knob_lower = 0.001;
@@ -207,7 +210,7 @@ Experiment collided(Random& random) {
   Experiment e = watched("impact", random);
   const Ball ball = draw_ball(random, 60, 1500);
   const double r = ball.radius;
-  e.scene = scene_of(ball, {-0.2, 0, 1}, random.uniform(0.4, 0.6), false,
+  e.scene = scene_of(ball, {-0.2, 0, 1}, random.uniform(0.4, 0.6), "ball",
                      "  target: {shape: ball, material: ball, position: [0, 0, 1], velocity: [0, 0, 0], angular_velocity: [0, 0, 0]}\n",
                      "gravity: [0, 0, 0]\n");
   e.observables.push_back(path_of("target"));
@@ -236,7 +239,7 @@ Experiment collided(Random& random) {
 Experiment lobbed(Random& random) {
   Experiment e = watched("lob", random);
   const Ball ball = draw_ball(random, 80, 1000);
-  e.scene = scene_of(ball, {0, 0, random.uniform(0.15, 0.3)}, random.uniform(0.8, 1), true);
+  e.scene = scene_of(ball, {0, 0, random.uniform(0.15, 0.3)}, random.uniform(0.8, 1), "stone");
   e.constants = {{"pairs.ball-stone.friction", fmt::format("{}", random.uniform(0.2, 0.5))},
                  {"pairs.ball-stone.rolling_friction", fmt::format("{}", random.uniform(0.01, 0.05))}};
   e.knob = "pairs.ball-stone.rolling_friction";
@@ -259,7 +262,7 @@ Experiment felt(Random& random) {
   e.family = "accelerometer";
   e.body = "ball";
   const Ball box{0.03, log_uniform(random, 60, 600)};
-  e.scene = scene_of(box, {0, 0, 5}, random.uniform(0.5, 0.9), false);
+  e.scene = scene_of(box, {0, 0, 5}, random.uniform(0.5, 0.9), "");
   for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 0, 0)}) {
     Observation o;
     o.kind = ObservableKind::series;
@@ -282,7 +285,7 @@ Experiment felt(Random& random) {
 Experiment shaken(Random& random) {
   Experiment e = watched("shaken", random);
   const Ball ball = draw_ball(random, 500, 3000);
-  e.scene = scene_of(ball, {0, 0, ball.radius}, 0.8, true);
+  e.scene = scene_of(ball, {0, 0, ball.radius}, 0.8, "stone");
   e.constants = {{"pairs.ball-stone.friction", fmt::format("{}", random.uniform(0.3, 0.6))}};
   plan_runs(e, [&] { return std::vector<Override>{{velocity, text({random.uniform(0.2, 0.8), random.uniform(-0.2, 0.2), 0})}}; });
   e.free = {velocity};
@@ -295,7 +298,7 @@ Experiment shaken(Random& random) {
 Experiment conveyed(Random& random) {
   Experiment e = watched("conveyor", random);
   const Ball ball = draw_ball(random, 300, 2000);
-  e.scene = scene_of(ball, {0, 0, ball.radius}, 0.8, true);
+  e.scene = scene_of(ball, {0, 0, ball.radius}, 0.8, "stone");
   const std::string from = "fixed: true", to = fmt::format("motion: {{velocity: [{}, 0, 0]}}", random.uniform(0.3, 1));
   e.scene.replace(e.scene.find(from), from.size(), to);
   e.constants = {{"pairs.ball-stone.friction", fmt::format("{}", random.uniform(0.1, 0.3))}};

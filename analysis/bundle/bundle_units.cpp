@@ -1,0 +1,105 @@
+#include "analysis/bundle/bundle_units.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/error.hpp"
+#include "core/quantity.hpp"
+
+namespace repose {
+namespace {
+
+constexpr double standard_gravity = 9.81;
+constexpr double too_far = 50;        // times what a body can reach
+constexpr double too_long = 100;      // times what the scene lasts
+constexpr double thousand_from = 300, thousand_to = 3000;
+
+/// Dimensions of the series that a simulation tells, but for angles.
+const std::map<std::string, Dimension>& dimensions() {
+  constexpr Dimension torque{2, 1, -2, 0};
+  static const std::map<std::string, Dimension> known{
+      {"discharged_mass", dimension::mass},   {"mass_on_base", dimension::mass}, {"roller_force_x", dimension::force},
+      {"roller_force_z", dimension::force},   {"roller_torque", torque},         {"specific_force", dimension::acceleration},
+      {"speed", dimension::velocity},         {"height", dimension::length}};
+  return known;
+}
+
+/// The first position with an observed axis, and the farthest that the body came from it.
+struct Path {
+  Vec3 first = Vec3::Zero(), start = Vec3::Zero();  ///< observed axes; others are 0
+  double extent = 0;
+  bool seen = false;
+};
+
+Path path_of(const Observation& o, const Vec3& start) {
+  Path path;
+  for (const Vec3& x : o.position) {
+    if (x.array().isNaN().all()) continue;
+    Vec3 here = Vec3::Zero();
+    for (int k = 0; k < 3; ++k)
+      if (std::isfinite(x[k])) here[k] = x[k];
+    if (!path.seen) {
+      path.first = here;
+      for (int k = 0; k < 3; ++k) path.start[k] = std::isfinite(x[k]) ? start[k] : 0;
+      path.seen = true;
+    }
+    for (int k = 0; k < 3; ++k)
+      if (std::isfinite(x[k])) path.extent = std::max(path.extent, std::abs(x[k] - path.first[k]));
+  }
+  return path;
+}
+
+void check_lengths(const BundleRun& run, const Observation& o, const SceneBody& body) {
+  const std::string place = fmt::format("run {}: {}: position of `{}`", run.id, o.file, o.body);
+  const Path path = path_of(o, body.position);
+  const double t = o.time.back(), reach = body.velocity.norm() * t + 0.5 * standard_gravity * t * t;
+  if (path.extent > too_far * reach && reach > 0)
+    throw Error(place, fmt::format("it moves {:.3g} m within {:.3g} s, where {:.3g} m is what its start and gravity allow", path.extent, t, reach),
+                "positions are in metres, times in seconds: are these millimetres, or milliseconds?");
+  const bool is_free = std::find(run.free.begin(), run.free.end(), "bodies." + o.body + ".position") != run.free.end();
+  const double there = path.first.norm(), here = path.start.norm();
+  if (is_free || there == 0 || here == 0) return;
+  const double ratio = there / here;
+  if ((ratio > thousand_from && ratio < thousand_to) || (1 / ratio > thousand_from && 1 / ratio < thousand_to))
+    throw Error(place, fmt::format("it begins {:.3g} m from the origin, where the scene starts it {:.3g} m away: a factor of about 1000", there, here),
+                ratio > 1 ? "positions are in metres: are these millimetres? Else mend the start in the scene"
+                          : "positions are in metres: are these kilometres? Else mend the start in the scene");
+}
+
+}  // namespace
+
+void turn_into_si(const YamlReader& entry, Observation& o) {
+  const auto found = dimensions().find(o.name);
+  if (o.unit.empty()) return;
+  const bool angle = o.name == "surface_angle" || o.name == "angle_of_repose";
+  if (angle && o.unit != "deg")
+    entry.at("unit").fail(fmt::format("`{}` is in degrees, not in `{}`", o.name, o.unit), "convert the values and write `unit: deg`");
+  if (o.kind != ObservableKind::series || found == dimensions().end()) return;
+  double factor = 1;
+  try {
+    factor = parse_quantity("1 " + o.unit, found->second);
+  } catch (const Error& problem) {
+    entry.at("unit").fail(fmt::format("not a unit of `{}`: {}", o.name, problem.problem()),
+                          fmt::format("it is measured in {}", unit_of(found->second)));
+  }
+  for (double& value : o.value) value *= factor;
+  o.unit = unit_of(found->second);
+}
+
+void check_scales(const BundleRun& run, const Scene& scene) {
+  for (const Observation& o : run.observations) {
+    if (o.time.empty() || o.kind == ObservableKind::profile) continue;
+    if (o.time.back() > too_long * scene.duration)
+      throw Error(fmt::format("run {}: {}: `{}`", run.id, o.file, o.name),
+                  fmt::format("its times end at {:.6g} s, but the scene after {:.6g} s", o.time.back(), scene.duration),
+                  "times are in seconds from the start of the scene: are these milliseconds, or a clock of their own? Else make `duration` longer");
+    if (o.kind != ObservableKind::trajectory) continue;
+    for (const SceneBody& body : scene.bodies)
+      if (body.name == o.body) check_lengths(run, o, body);
+  }
+}
+
+}  // namespace repose

@@ -1,0 +1,17 @@
+#pragma once
+/// Numbers in the wrong unit: what says so, and what shows it.
+#include "analysis/bundle/bundle.hpp"
+#include "core/yaml_reader.hpp"
+
+namespace repose {
+
+/// Turns the values of a series with a reserved name into SI ("mm/s^2" into m/s^2); angles stay in degrees. `entry` is that of the
+/// observable. Throws Error for a unit of another dimension. Series of other names keep the unit that they say.
+void turn_into_si(const YamlReader& entry, Observation& observation);
+
+/// Throws Error if the lengths or times of a run are so far from what its scene (its own settings included) can do that only
+/// another unit explains it: paths fifty times longer than the start speed and gravity allow, a first position a thousand times nearer or
+/// farther than the start, times a hundred times longer than the scene lasts.
+void check_scales(const BundleRun& run, const Scene& scene);
+
+}  // namespace repose
