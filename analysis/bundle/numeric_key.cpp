@@ -24,7 +24,7 @@ bool is_number(const YamlNode& node) {
 }  // namespace
 
 void check_numeric_key(const YamlReader& reader, const std::string& key, const YamlNode& tree, bool vectors) {
-  const YamlNode* value = find_path(tree, key);
+  const YamlNode* value = node_at(tree, key);
   if (value == nullptr || value->kind == YamlNode::Kind::null || is_number(*value)) return;
   if (vectors && value->kind == YamlNode::Kind::sequence && std::all_of(value->items.begin(), value->items.end(), is_number)) return;
   reader.fail(fmt::format("the scene has {} at `{}`, not a plain number", describe(*value), key),
