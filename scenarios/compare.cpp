@@ -98,12 +98,15 @@ Comparison planned(const Prepared& prepared, std::vector<Contender> contenders, 
       }
       c.variants.push_back(std::move(v));
     }
+  // Films are kept with their runs, so the cells are part of a run's name.
+  const std::string cells = !c.grid ? "" : fmt::format(" {} {} {} {} {} {} {}", c.grid->origin.x(), c.grid->origin.y(), c.grid->origin.z(), c.grid->ring,
+                                                       c.grid->layer, c.grid->rings, c.grid->layers);
   const std::string build = std::string(version()) + " " + commit();
   for (std::size_t v = 0; v < c.variants.size(); ++v)
     for (std::size_t s = 0; s < c.seeds; ++s) {
       const std::uint64_t seed = options.seed + s;
       const CompareVariant& variant = c.variants[v];
-      c.jobs.push_back({v, seed, job_key(variant.scene.text + refinement_key(variant.refinement), seed,
+      c.jobs.push_back({v, seed, job_key(variant.scene.text + refinement_key(variant.refinement) + cells, seed,
                                          "compare " + c.contenders[variant.contender].label, build)});
     }
   return c;
@@ -119,7 +122,7 @@ JobsReport run_all(const Comparison& c, const Options& options) {
   };
   return run_jobs(c.jobs, options.out, options.threads, [&](const Job& job) {
     const CompareVariant& v = c.variants[job.scene];
-    return compare_run(*c.contenders[v.contender].backend, v.scene, job.seed, c.frames);
+    return compare_run(*c.contenders[v.contender].backend, v.scene, job.seed, c.frames, c.grid);
   }, hooks);
 }
 

@@ -33,9 +33,8 @@ const std::string& name_of(const Model& model, std::size_t body) { return model.
 /// Gathers what a run tells frame by frame.
 class Gatherer {
  public:
-  Gatherer(const Scene& scene, const Model& model, const MeteredWorld& world, const CompareFrames& frames)
-      : model_(model), world_(world), frames_(frames), outlet_(funnel_outlet(scene)) {
-    if (model.grain_count() > 0) grid_ = field_grid(scene, model);
+  Gatherer(const Scene& scene, const Model& model, const MeteredWorld& world, const CompareFrames& frames, const std::optional<FieldGrid>& grid)
+      : model_(model), world_(world), frames_(frames), outlet_(funnel_outlet(scene)), grid_(grid) {
     for (std::size_t i = 0; i < model.bodies.size() && bodies_.size() < most_bodies; ++i)
       if (model.bodies[i].role == BodyRole::body && model.bodies[i].dynamic) bodies_.push_back(i);
     double count = 0;
@@ -211,12 +210,13 @@ CompareFrames compare_frames(const Scene& scene) {
   return frames;
 }
 
-std::optional<json> compare_run(const Backend& backend, const Scene& scene, std::uint64_t seed, const CompareFrames& frames) {
+std::optional<json> compare_run(const Backend& backend, const Scene& scene, std::uint64_t seed, const CompareFrames& frames,
+                                const std::optional<FieldGrid>& grid) {
   const Model model = realise(scene, seed);
   MeteredWorld world(model, backend.make(model, scene.solver));
   const std::optional<HeapSite> site = heap_site(scene);
   const std::optional<Outlet> outlet = funnel_outlet(scene);
-  Gatherer gathered(scene, model, world, frames);
+  Gatherer gathered(scene, model, world, frames, grid);
   double told = 0;
   const auto gather = [&](const Snapshot& state) {
     gathered.add(state, world.take_impulses());

@@ -22,6 +22,7 @@ struct CompareFrames {
 /// The frames of a scene: the interval rounded to whole steps, at most 41 frames in the film.
 CompareFrames compare_frames(const Scene& scene);
 
+/// `grid`: the cells of the film, the same for every seed of a comparison although each makes its own grains; none without grains.
 /// Runs a scene to its duration, or until its heap is at rest; nullopt if interrupted (Ctrl-C). Keys of the result:
 ///   observables {name: {value (null: could not be measured), unit, kind, scale}}; kind: "physics", what engines must agree
 ///     about; "quality", how well an engine did; "cost" (processor time with one thread only). `scale`: the magnitude that a relative tolerance refers to.
@@ -29,6 +30,7 @@ CompareFrames compare_frames(const Scene& scene);
 ///   curves {time, kinetic_energy, discharged_mass (with a funnel), radius and height (with a heap)}
 ///   film [cells * frames] (with grains); bodies {name: {x: [..], y: [..], z: [..]}} (dynamic bodies that are no grains, at the times)
 /// After an early end the last state stands for the frames that remain.
-std::optional<nlohmann::json> compare_run(const Backend& backend, const Scene& scene, std::uint64_t seed, const CompareFrames& frames);
+std::optional<nlohmann::json> compare_run(const Backend& backend, const Scene& scene, std::uint64_t seed, const CompareFrames& frames,
+                                          const std::optional<FieldGrid>& grid);
 
 }  // namespace repose
