@@ -48,6 +48,7 @@ struct SimulationRequest {
   bool contacts = false;            ///< fill what comes from contacts
   std::vector<std::string> series;  ///< bulk series to record: reserved names
   std::vector<WindowLoad> loads;
+  bool until_rest = false;          ///< end as soon as the heap on the base is at rest, seen once a frame interval
 };
 
 /// Runs a scene. May be called from several threads at once. Throws Error (Kind::simulation) if the run fails.

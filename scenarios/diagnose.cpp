@@ -6,12 +6,16 @@
 #include <chrono>
 
 #include "analysis/bundle/read_bundle.hpp"
+#include "analysis/diagnosis/bulk_diagnose.hpp"
 #include "analysis/diagnosis/diagnose.hpp"
 #include "backends/backends.hpp"
 #include "core/effect_library.hpp"
 #include "core/error.hpp"
 #include "core/recording.hpp"
 #include "core/yaml_reader.hpp"
+#include "scenarios/bulk_diagnosis_json.hpp"
+#include "scenarios/bulk_diagnosis_report.hpp"
+#include "scenarios/bulk_simulation.hpp"
 #include "scenarios/command_line.hpp"
 #include "scenarios/diagnosis_json.hpp"
 #include "scenarios/diagnosis_progress.hpp"
@@ -57,6 +61,59 @@ CLI::Validator known_effect() {
       "");
 }
 
+/// Writes what every diagnosis leaves, diagnosis.json last of all, and tells it. `simulations`: so far.
+int finish(const Options& options, nlohmann::json result, const std::string& extended_scene, const report::Report& page, bool complete, double wall_s,
+           std::size_t simulations, ProgressDisplay& display) {
+  result["scenario"] = "diagnose";
+  result["backend"] = options.backend;
+  result["seed"] = options.seed;
+  result["wall_s"] = wall_s;
+  result["version"] = version();
+  result["commit"] = commit();
+  result["complete"] = complete;
+  write_atomically(options.out / "extended.yaml", extended_scene);
+  write_atomically(options.out / "report.html", report::to_html(page));
+  if (!complete) {
+    write_atomically(options.out / "partial.json", result.dump(2));
+    display.message(fmt::format("interrupted after {} simulations: what was found so far is in {} and report.html", simulations,
+                                (options.out / "partial.json").string()));
+    display.message(fmt::format("to go on: the same command again, repose diagnose {} --out {}", options.file.string(), options.out.string()));
+    return exit_status::interrupted;
+  }
+  write_atomically(options.out / "diagnosis.json", result.dump(2));
+  fmt::print("{}\n\nverdict  {}\n", result["headline"].get<std::string>(), result["verdict"].get<std::string>());
+  for (const auto& r : result["ranked"])
+    fmt::print("  {:5.1f} %  {}\n", 100 * r["probability"].get<double>(),
+               r["effects"].empty() ? "nothing missing" : fmt::format("{}", fmt::join(r["effects"].get<std::vector<std::string>>(), " + ")));
+  for (const auto& [what, file] : {std::pair{"report", "report.html"}, {"scene", "extended.yaml"}, {"result", "diagnosis.json"}})
+    fmt::print("{:<9}{}\n", what, (options.out / file).string());
+  return exit_status::done;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point begun) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(); }
+
+/// Recordings of many grains. Simulations that an earlier call made are used again.
+int run_bulk(const Options& options, const Own& own, const Bundle& bundle, ProgressDisplay& display) {
+  BulkSimulation how;
+  how.folder = options.out;
+  how.workers = options.threads;
+  how.allow_unsupported = options.allow_unsupported;
+  how.progress = [&](const std::string& stage, const JobsProgress& p) {
+    display.show(static_cast<double>(p.done), static_cast<double>(p.total), p.remaining_s, fmt::format("{}: {} of {} runs ({} reused)", stage, p.done, p.total, p.reused));
+  };
+  diagnosis::BulkOptions what;
+  what.seed = options.seed;
+  what.effects = own.candidates;
+  const auto begun = std::chrono::steady_clock::now();
+  const diagnosis::BulkDiagnosis found = diagnosis::diagnose_bulk(bundle, simulate_bulk_with(find_backend(options.backend), bundle, how), what);
+  if (found.models.empty()) {
+    display.message("interrupted before the nominal scene was simulated; the same command goes on from here");
+    return exit_status::interrupted;
+  }
+  return finish(options, bulk_diagnosis_json(found, bundle), found.extended_scene, bulk_diagnosis_report(found, bundle), !found.interrupted, seconds_since(begun),
+                found.simulations, display);
+}
+
 int run(const Options& options, const Own& own) {
   const Bundle bundle = read_bundle(options.file, own.root, options.overrides);
   std::error_code ignored;
@@ -64,6 +121,8 @@ int run(const Options& options, const Own& own) {
   for (const char* old : {"diagnosis.json", "partial.json"}) std::filesystem::remove(options.out / old, ignored);
   ProgressDisplay display(options.quiet);
   for (const std::string& warning : bundle.warnings) display.message("warning: " + warning);
+
+  if (diagnosis::is_bulk(bundle)) return run_bulk(options, own, only_simulated(bundle), display);
 
   diagnosis::DiagnoseOptions how;
   how.threads = options.threads;
@@ -77,7 +136,7 @@ int run(const Options& options, const Own& own) {
   DiagnosisProgress progress;
   std::atomic<std::size_t> simulations{0};
   how.progress = [&](const std::string& stage, double done, double total) {
-    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), share = progress.share(stage, done, total);
+    const double spent = seconds_since(begun), share = progress.share(stage, done, total);
     display.show(share, 1, progress.left(spent), fmt::format("{} ({} simulations)", stage, simulations.load()));
   };
   const Simulate simulate = simulate_with(find_backend(options.backend), options.allow_unsupported);
@@ -87,30 +146,8 @@ int run(const Options& options, const Own& own) {
   };
   const diagnosis::Diagnosis found = diagnosis::diagnose(bundle, counted, how);
 
-  nlohmann::json result = diagnosis_json(found);
-  result["scenario"] = "diagnose";
-  result["backend"] = options.backend;
-  result["seed"] = options.seed;
-  result["wall_s"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  result["version"] = version();
-  result["commit"] = commit();
-  result["complete"] = !found.interrupted;
-  write_atomically(options.out / "extended.yaml", found.extended_scene);
-  write_atomically(options.out / "report.html", report::to_html(diagnosis_report(found, bundle, settings_of(options, own))));
-  if (found.interrupted) {
-    write_atomically(options.out / "partial.json", result.dump(2));
-    display.message(fmt::format("interrupted after {} simulations: what was found so far is in {} and report.html", simulations.load(),
-                                (options.out / "partial.json").string()));
-    display.message(fmt::format("to go on: the same command again, repose diagnose {} --out {}", options.file.string(), options.out.string()));
-    return exit_status::interrupted;
-  }
-  write_atomically(options.out / "diagnosis.json", result.dump(2));
-  fmt::print("{}\n\nverdict  {}\n", result["headline"].get<std::string>(), found.verdict.word);
-  for (const auto& r : found.verdict.ranked)
-    fmt::print("  {:5.1f} %  {}\n", 100 * r.probability, r.effects.empty() ? "nothing missing" : fmt::format("{}", fmt::join(r.effects, " + ")));
-  for (const auto& [what, file] : {std::pair{"report", "report.html"}, {"scene", "extended.yaml"}, {"result", "diagnosis.json"}})
-    fmt::print("{:<9}{}\n", what, (options.out / file).string());
-  return exit_status::done;
+  return finish(options, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own)), !found.interrupted, seconds_since(begun),
+                simulations, display);
 }
 
 }  // namespace
@@ -129,7 +166,7 @@ int main(int argc, char** argv) {
     app.add_option("--root", own.root, "where the CSV files lie (default: beside recording.yaml)")->type_name("DIR");
     app.add_option("--runs", own.runs, "at most so many runs are fitted (default 8)")->type_name("N")->check(CLI::Range(1, 10000));
     app.add_option("--held-out-runs", own.held_out, "at most so many held-out runs are judged (default 8)")->type_name("N")->check(CLI::Range(1, 10000));
-    app.add_option("--candidates", own.candidates, "only these effects are tried, parted by commas (default: the whole library)")
+    app.add_option("--candidates", own.candidates, "only these effects are tried, parted by commas (default: the whole library; many grains: the likeliest eight)")
         ->type_name("NAMES")
         ->delimiter(',')
         ->check(known_effect());

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "analysis/discharge.hpp"
+#include "analysis/rest.hpp"
 #include "core/body_frame.hpp"
 #include "core/error.hpp"
 #include "core/nearest.hpp"
@@ -172,7 +173,12 @@ HistoryRun run_history(const Backend& backend, const SimulationRequest& request,
       add_loads(result.model, request.loads, state, loads);
     };
   const double duration = request.until > 0 ? request.until : scene.duration;
-  const RunReport report = run(*world, result.model, {scene.solver.time_step, duration, duration, 1e9}, nullptr, hooks);
+  const std::optional<HeapSite> site = request.until_rest ? heap_site(scene) : std::nullopt;
+  if (site)
+    hooks.finished = [&, outlet = funnel_outlet(scene)](const Snapshot& state, const StepReport&) {
+      return assess_rest(result.model, state, *site, outlet).at_rest;
+    };
+  const RunReport report = run(*world, result.model, {scene.solver.time_step, duration, site ? scene.frame_interval : duration, 1e9}, nullptr, hooks);
   if (report.end == RunReport::End::interrupted) throw Error("", "interrupted", "", Error::Kind::simulation);
   result.history = keeper.take();
   result.history.converged = report.converged_fraction >= least_converged;

@@ -23,7 +23,7 @@ void measure_heap_into(const Prepared& prepared, const HistoryRun& run, Observat
     if (!heap.repose.angle)
       throw Error("record.observables", "the heap has no angle of repose", "simulate longer, or with more grains");
     o.scalar = heap.repose.angle->value;
-    o.sd = heap.repose.angle->sd;
+    o.sd = heap.repose.angle->se;  // of the value, not the scatter of its flanks
   }
 }
 

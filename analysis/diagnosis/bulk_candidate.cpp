@@ -1,0 +1,248 @@
+#include "analysis/diagnosis/bulk_candidate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/random/sobol.hpp>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/yaml_reader.hpp"
+#include "core/scene_yaml.hpp"
+#include "core/yaml_tree.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Heaps flow and stand only in a part of the library's bounds: an attraction of a thousand weights, or honey for air, clogs any outlet.
+/// In natural units.
+struct BulkRange {
+  const char* effect;
+  const char* parameter;
+  double lower, upper;
+};
+constexpr BulkRange narrower[] = {
+    {"cohesion", "cohesion", 0.1, 100},
+    {"liquid_bridge", "force", 0.1, 100},
+    {"linear_drag", "viscosity", 1e-3, 1},
+    {"finite_reynolds_drag", "viscosity", 1e-3, 1},
+};
+
+/// A mass per length and time: the viscosity at which drag at sqrt(g R) is some weights of a grain.
+double natural_unit(const std::string& parameter, const NaturalScale& scale) {
+  return parameter == "viscosity" ? scale.mass / (scale.length * scale.time) : scale.mass * scale.length / (scale.time * scale.time);
+}
+
+bool one_sided(const Parameter& p) { return !p.logarithmic && p.null == p.lower; }
+
+void narrow(Parameter& p, const NaturalScale& scale) {
+  const std::string last = p.key.substr(p.key.rfind('.') + 1);
+  for (const BulkRange& range : narrower)
+    if (p.effect == range.effect && last == range.parameter) {
+      const double unit = natural_unit(last, scale);
+      p.lower = std::max(p.lower, range.lower * unit);
+      p.upper = std::min(p.upper, range.upper * unit);
+    }
+}
+
+/// The library's bounds for a scene key; else a factor of ten about the value that the scene has.
+Parameter calibrated_constant(const std::string& key, const Bundle& bundle, const NaturalScale& scale) {
+  const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  const YamlNode* node = &tree;
+  for (std::size_t from = 0; node != nullptr && from <= key.size();) {
+    const std::size_t dot = std::min(key.find('.', from), key.size());
+    node = node->find(key.substr(from, dot - from));
+    from = dot + 1;
+  }
+  Parameter p;
+  p.key = key;
+  for (const EffectRow& row : effect_library())
+    for (const EffectParameter& e : row.parameters) {
+      std::string place;
+      const std::size_t star = e.key.find('*');
+      if (star != std::string::npos && key.starts_with(e.key.substr(0, star)) && key.ends_with(e.key.substr(star + 1)))
+        place = key.substr(star, key.size() - (e.key.size() - 1));
+      if (e.key.empty() || key_at(e, place) != key || row.name == "wall_friction") continue;
+      const EffectBounds bounds = bounds_of(e, scale);
+      p.unit = e.unit;
+      p.lower = bounds.lower;
+      p.upper = bounds.upper;
+      p.null = bounds.nominal;
+      p.logarithmic = e.log_scaled;
+      return p;
+    }
+  const double value = node != nullptr && node->kind == YamlNode::Kind::scalar ? std::strtod(node->text.c_str(), nullptr) : 0;
+  if (!(value > 0)) throw Error("calibrate: " + key, "its search has no bounds", "state a value above zero for it in the scene");
+  p.lower = value / 10;
+  p.upper = value * 10;
+  p.null = value;
+  p.logarithmic = true;
+  return p;
+}
+
+BulkCandidate candidate_of(const Term& term, const BulkCandidate& nominal, const NaturalScale& scale) {
+  BulkCandidate candidate = nominal;
+  candidate.hypothesis.terms = {term};
+  for (Parameter p : parameters_of(term, scale, {}).shared) {
+    narrow(p, scale);
+    candidate.parameters.push_back(p);
+  }
+  return candidate;
+}
+
+/// length_scale, time_scale, and a bias of the first scalar.
+std::vector<BulkCandidate> of_the_recording(const Bundle& bundle, const NaturalScale& scale) {
+  std::vector<BulkCandidate> result;
+  const auto any_of = [&](auto holds) {
+    return std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) { return std::any_of(run.observations.begin(), run.observations.end(), holds); });
+  };
+  const auto add = [&](const char* name) {
+    BulkCandidate c = candidate_of({find_effect(name), ""}, {}, scale);
+    c.kind = BulkCandidate::Kind::recording;
+    result.push_back(std::move(c));
+  };
+  if (any_of([](const Observation& o) { return o.kind == ObservableKind::profile || o.kind == ObservableKind::surface; })) add("length_scale");
+  if (any_of([](const Observation& o) { return o.kind == ObservableKind::series; })) add("time_scale");
+  for (const Observation& o : bundle.runs.front().observations) {
+    if (o.kind != ObservableKind::scalar) continue;
+    BulkCandidate c;
+    c.kind = BulkCandidate::Kind::recording;
+    c.hypothesis.terms = {{find_effect("sensor_bias"), ""}};
+    Parameter p;
+    p.use = Parameter::Use::bias;
+    p.key = "sensor_bias." + o.name;
+    p.effect = "sensor_bias";
+    p.unit = o.unit;
+    p.upper = std::max(std::abs(o.scalar), 1e-300);
+    p.lower = -p.upper;
+    c.parameters = {p};
+    result.push_back(std::move(c));
+    break;
+  }
+  return result;
+}
+
+/// A law of contacts acts between grains, unless it is a wall's.
+bool among_grains(const Term& term, const Scene& scene) {
+  if (term.place.empty() || term.row->name == "wall_friction") return true;
+  for (const GrainPopulation& a : scene.grains)
+    for (const GrainPopulation& b : scene.grains)
+      if (term.place == std::min(a.material, b.material) + "-" + std::max(a.material, b.material)) return true;
+  return false;
+}
+
+}  // namespace
+
+const std::vector<std::string>& bulk_effects() {
+  static const std::vector<std::string> names{"friction",        "rolling_friction",        "cohesion",          "grain_shape",   "size_distribution",
+                                              "restitution",     "finite_reynolds_drag",    "spinning_friction", "wall_friction", "rate_dependent_friction",
+                                              "liquid_bridge",   "moving_wall_speed",       "base_vibration"};
+  return names;
+}
+
+double value_at(const Parameter& p, double u) {
+  if (p.logarithmic) return std::exp(std::log(p.lower) + u * (std::log(p.upper) - std::log(p.lower)));
+  return p.lower + (one_sided(p) ? u * u : u) * (p.upper - p.lower);
+}
+
+double coordinate_of(const Parameter& p, double value) {
+  const double u = p.logarithmic ? (value > 0 ? (std::log(value) - std::log(p.lower)) / (std::log(p.upper) - std::log(p.lower)) : 0)
+                                 : (value - p.lower) / (p.upper - p.lower);
+  const double inside = std::isnan(u) ? 0 : std::clamp(u, 0.0, 1.0);
+  return one_sided(p) ? std::sqrt(inside) : inside;
+}
+
+VectorXd null_point(const BulkCandidate& candidate, const VectorXd& calibrated) {
+  VectorXd point(static_cast<Index>(candidate.parameters.size()));
+  for (Index i = 0; i < point.size(); ++i) {
+    const Parameter& p = candidate.parameters[static_cast<std::size_t>(i)];
+    point[i] = i < calibrated.size() && p.effect.empty() ? calibrated[i] : coordinate_of(p, p.null);
+  }
+  return point;
+}
+
+BulkCandidate nominal_candidate(const Bundle& bundle, const NaturalScale& scale) {
+  BulkCandidate nominal;
+  for (const std::string& key : bundle.calibrate) nominal.parameters.push_back(calibrated_constant(key, bundle, scale));
+  return nominal;
+}
+
+std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalScale& scale, const std::vector<std::string>& wanted, std::size_t most) {
+  std::vector<std::string> known;
+  for (const EffectRow& row : effect_library()) known.push_back(row.name);
+  for (const std::string& name : wanted)
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const Suggestion suggestion = suggest("the library has no effect", name, known);
+      throw Error("--effects", suggestion.problem, suggestion.remedy);
+    }
+  const BulkCandidate nominal = nominal_candidate(bundle, scale);
+  std::vector<BulkCandidate> result;
+  std::vector<std::string> taken;
+  const std::vector<Term> terms = possible_terms(bundle.scene, bundle.calibrate, scale);
+  for (const std::string& name : wanted.empty() ? bulk_effects() : wanted)
+    for (const Term& term : terms) {
+      if (term.row->name != name || term.row->site == EffectSite::measurement || !among_grains(term, bundle.scene)) continue;
+      if (wanted.empty() && result.size() >= most) continue;
+      result.push_back(candidate_of(term, nominal, scale));
+      taken.push_back(name);
+    }
+  for (BulkCandidate& c : of_the_recording(bundle, scale)) {
+    const std::string name = c.hypothesis.names().front();
+    taken.push_back(name);
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) result.push_back(std::move(c));
+  }
+  for (const std::string& name : wanted)
+    if (std::find(taken.begin(), taken.end(), name) == taken.end())
+      throw Error("--effects " + name, "the scene has it already, or cannot take it", "leave it out, or remove the key from the nominal scene");
+  return result;
+}
+
+YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkCandidate& candidate, const VectorXd& point,
+                    const std::vector<Override>& set) {
+  YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  for (const Override& change : set) set_path(tree, change.path, change.value);
+  if (candidate.kind == BulkCandidate::Kind::recording) return tree;
+  if (candidate.kind == BulkCandidate::Kind::numerics) {
+    set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
+    set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
+    return tree;
+  }
+  put_terms(tree, candidate.hypothesis, scale);
+  for (std::size_t i = 0; i < candidate.parameters.size(); ++i) {
+    const Parameter& p = candidate.parameters[i];
+    const std::string path = p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component);
+    set_path(tree, path, fmt::format("{}", value_at(p, point[static_cast<Index>(i)])));
+  }
+  return tree;
+}
+
+std::vector<Observation> disturbed(const BulkCandidate& candidate, const VectorXd& point, std::vector<Observation> observations) {
+  if (candidate.kind != BulkCandidate::Kind::recording) return observations;
+  const Parameter& p = candidate.parameters.front();
+  const double value = value_at(p, point[0]);
+  for (Observation& o : observations) {
+    if (p.use == Parameter::Use::length_scale && (o.kind == ObservableKind::profile || o.kind == ObservableKind::surface))
+      for (std::vector<double>* lengths : {&o.at, &o.at_y, &o.value})
+        for (double& x : *lengths) x *= value;
+    if (p.use == Parameter::Use::time_scale)
+      for (double& t : o.time) t *= value;
+    if (p.use == Parameter::Use::bias && p.key == "sensor_bias." + o.name) o.scalar += value;
+  }
+  return observations;
+}
+
+Eigen::MatrixXd space_filling(int count, Index axes) {
+  Eigen::MatrixXd points(count, axes);
+  if (axes == 1)
+    for (int i = 0; i < count; ++i) points(i, 0) = (i + 0.5) / count;
+  if (axes < 2) return points;
+  boost::random::sobol sequence(static_cast<std::size_t>(axes));
+  for (int i = 0; i < count; ++i)
+    for (Index k = 0; k < axes; ++k) points(i, k) = static_cast<double>(sequence()) / static_cast<double>(boost::random::sobol::max());
+  return points;
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,55 @@
+#pragma once
+/// What may be missing from a scene of many grains, and the unit cube in which its coefficients are searched.
+///
+/// Coordinate u in [0, 1] of a coefficient between its bounds a < b:
+///   logarithmic   ln v = ln a + u (ln b - ln a)
+///   one-sided     v = a + u^2 (b - a)    where a does nothing: small coefficients matter most
+///   else          v = a + u (b - a)
+/// What does nothing lies at the nearest end of a logarithmic axis (no cohesion at u = 0).
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "analysis/diagnosis/hypothesis.hpp"
+
+namespace repose::diagnosis {
+
+struct BulkCandidate {
+  enum class Kind {
+    simulated,  ///< asks for simulations of its own
+    recording,  ///< an error of the recording: applied to what the nominal scene gave
+    numerics,   ///< a quarter of the step and a tenth of the tolerance
+  } kind = Kind::simulated;
+  Hypothesis hypothesis;               ///< none: the nominal scene
+  std::vector<Parameter> parameters;   ///< axes of the cube: calibrated constants, then those of the terms
+};
+
+double value_at(const Parameter& parameter, double u);
+double coordinate_of(const Parameter& parameter, double value);
+
+/// Where the terms of the candidate do nothing, with the calibrated constants at `calibrated`.
+Eigen::VectorXd null_point(const BulkCandidate& candidate, const Eigen::VectorXd& calibrated);
+
+/// The nominal scene, with its calibrated constants as axes.
+BulkCandidate nominal_candidate(const Bundle& bundle, const NaturalScale& scale);
+
+/// Candidates in the order in which they are tried: laws of grains on grains and of the population, the air, walls; then errors of
+/// the recording. `wanted`: names of effects; empty: those of `bulk_effects` that fit, at most `most` simulated ones. Throws Error for
+/// a name that the library lacks or that the scene cannot take.
+std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalScale& scale, const std::vector<std::string>& wanted, std::size_t most);
+
+/// Names tried if none are asked for, the likeliest first.
+const std::vector<std::string>& bulk_effects();
+
+/// The scene of the candidate at a point of its cube, with the keys of one setting.
+YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkCandidate& candidate, const Eigen::VectorXd& point,
+                    const std::vector<Override>& set = {});
+
+/// What the recording would hold if the error were made: recorded = factor * true, or true + bias.
+std::vector<Observation> disturbed(const BulkCandidate& candidate, const Eigen::VectorXd& point, std::vector<Observation> observations);
+
+/// `count` points that fill the cube: the middles of equal parts of one axis, Sobol's sequence for more. One row each.
+Eigen::MatrixXd space_filling(int count, Eigen::Index axes);
+
+}  // namespace repose::diagnosis

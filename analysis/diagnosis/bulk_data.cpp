@@ -1,0 +1,102 @@
+#include "analysis/diagnosis/bulk_data.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/random.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t enough_replicates = 3;
+constexpr std::size_t least_to_split = 3;
+
+bool same_settings(const std::vector<Override>& a, const std::vector<Override>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Override& x, const Override& y) { return x.path == y.path && x.value == y.value; });
+}
+
+std::vector<BulkSummary> common_summaries(const Bundle& bundle, std::vector<std::string>& notes) {
+  std::vector<BulkSummary> common;
+  for (const BulkSummary& s : summaries_of(bundle.runs.front().observations)) {
+    const auto lacks = std::find_if(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) { return !std::isfinite(value_of(s, run.observations)); });
+    if (lacks == bundle.runs.end())
+      common.push_back(s);
+    else
+      notes.push_back(fmt::format("`{}` is left out: run {} does not have it.", s.name, lacks->id));
+  }
+  if (common.empty())
+    throw Error("runs", "no bulk observable is there in every run",
+                "give each run the same: angle_of_repose, heap, discharged_mass, mass_on_base, surface_angle, roller_force_*, a surface");
+  return common;
+}
+
+void split(std::vector<std::size_t> runs, Random& random, std::vector<std::size_t>& train, std::vector<std::size_t>& held) {
+  for (std::size_t i = runs.size(); i > 1; --i) std::swap(runs[i - 1], runs[random.below(i)]);
+  const std::size_t out = runs.size() < least_to_split ? 0 : runs.size() / 3;
+  held.assign(runs.begin(), runs.begin() + static_cast<std::ptrdiff_t>(out));
+  train.assign(runs.begin() + static_cast<std::ptrdiff_t>(out), runs.end());
+  std::sort(held.begin(), held.end());
+  std::sort(train.begin(), train.end());
+}
+
+Eigen::MatrixXd rows_of_runs(const Bundle& bundle, const std::vector<std::size_t>& runs, const std::vector<BulkSummary>& summaries) {
+  Eigen::MatrixXd rows(static_cast<Index>(runs.size()), static_cast<Index>(summaries.size()));
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    for (std::size_t k = 0; k < summaries.size(); ++k)
+      rows(static_cast<Index>(i), static_cast<Index>(k)) = value_of(summaries[k], bundle.runs[runs[i]].observations);
+  return rows;
+}
+
+}  // namespace
+
+BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::string>& notes) {
+  BulkData data;
+  data.summaries = common_summaries(bundle, notes);
+  for (const BulkSummary& chosen : three_of(data.summaries))
+    for (std::size_t k = 0; k < data.summaries.size(); ++k)
+      if (data.summaries[k].name == chosen.name) data.tested.push_back(static_cast<Index>(k));
+
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
+    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return same_settings(bundle.runs[g.front()].set, bundle.runs[i].set); });
+    if (group == groups.end())
+      groups.push_back({i});
+    else
+      group->push_back(i);
+  }
+  Random random(seed, 7);
+  std::vector<std::string> held_ids;
+  std::size_t fewest = bundle.runs.size();
+  for (const std::vector<std::size_t>& group : groups) {
+    BulkSetting setting;
+    setting.set = bundle.runs[group.front()].set;
+    if (bundle.split_given)
+      for (const std::size_t i : group) (bundle.runs[i].held_out ? setting.held_runs : setting.train_runs).push_back(i);
+    else
+      split(group, random, setting.train_runs, setting.held_runs);
+    for (const std::size_t i : setting.held_runs) held_ids.push_back(bundle.runs[i].id);
+    setting.train = rows_of_runs(bundle, setting.train_runs, data.summaries);
+    setting.held = rows_of_runs(bundle, setting.held_runs, data.summaries);
+    fewest = std::min(fewest, setting.train_runs.size());
+    data.settings.push_back(std::move(setting));
+  }
+  if (held_ids.empty())
+    notes.push_back("Nothing is held out: candidates are weighed on the data that they were fitted to, less what their parameters cost.");
+  else if (!bundle.split_given)
+    notes.push_back(fmt::format("No run says whether it is held out; by seed {} these are: {}.", seed, fmt::join(held_ids, ", ")));
+
+  data.extra = Eigen::VectorXd::Zero(static_cast<Index>(data.summaries.size()));
+  for (std::size_t k = 0; k < data.summaries.size() && fewest < enough_replicates; ++k)
+    for (const BundleRun& run : bundle.runs)
+      for (const Observation& o : run.observations)
+        if (o.kind == ObservableKind::scalar && o.name == data.summaries[k].name)
+          data.extra[static_cast<Index>(k)] = std::max(data.extra[static_cast<Index>(k)], o.sd * o.sd);
+  return data;
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,227 @@
+#include "analysis/diagnosis/bulk_diagnose.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "analysis/diagnosis/bulk_campaign.hpp"
+#include "analysis/diagnosis/bulk_data.hpp"
+#include "analysis/diagnosis/bulk_statistics.hpp"
+#include "analysis/statistics.hpp"
+#include "core/yaml_tree.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::vector<BulkEstimate> estimates_of(const BulkModel& model) {
+  std::vector<BulkEstimate> list;
+  const VectorXd& at = model.direct >= 0 ? model.design[static_cast<std::size_t>(model.direct)].at : model.posterior.best;
+  for (std::size_t i = 0; i < model.candidate.parameters.size(); ++i) {
+    const Parameter& p = model.candidate.parameters[i];
+    const auto k = static_cast<Index>(i);
+    BulkEstimate e{p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component), p.unit, p.effect, value_at(p, at[k]), 0, 0};
+    e.lower = std::min(e.value, value_at(p, model.posterior.quantile(k, 0.05)));
+    e.upper = std::max(e.value, value_at(p, model.posterior.quantile(k, 0.95)));
+    list.push_back(e);
+  }
+  return list;
+}
+
+/// What the model leaves on the training or the held-out runs.
+BulkScore score_of(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter, bool held) {
+  BulkScore score;
+  MatrixXd noise = scatter;
+  noise.diagonal() += data.extra;
+  const Predict predict = predictor(model, nominal, data, scatter);
+  const BulkPrediction emulated = predict(model.posterior.best);
+  double chi2 = 0;
+  VectorXd squares = VectorXd::Zero(static_cast<Index>(data.summaries.size()));
+  for (std::size_t s = 0; s < data.settings.size(); ++s) {
+    const MatrixXd simulated = complete_rows(rows_at_fit(model, nominal, data, s));
+    const VectorXd expected = simulated.rows() > 0 ? VectorXd(simulated.colwise().mean().transpose()) : emulated.mean[s];
+    const MatrixXd& rows = held ? data.settings[s].held : data.settings[s].train;
+    const auto& ids = held ? data.settings[s].held_runs : data.settings[s].train_runs;
+    for (Index i = 0; i < rows.rows(); ++i) {
+      const VectorXd r = rows.row(i).transpose() - expected;
+      chi2 += squared_distance(r, noise);
+      squares += r.cwiseAbs2();
+      score.runs.push_back(ids[static_cast<std::size_t>(i)]);
+    }
+  }
+  if (score.runs.empty()) return score;
+  const double n = static_cast<double>(score.runs.size());
+  score.chi2_per_dof = chi2 / (n * static_cast<double>(data.summaries.size()));
+  for (std::size_t k = 0; k < data.summaries.size(); ++k) score.rmse[data.summaries[k].name] = std::sqrt(squares[static_cast<Index>(k)] / n);
+  return score;
+}
+
+/// Squared distance of the training means from the model beyond what chance gives, all settings.
+double excess(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter) {
+  double sum = 0;
+  const BulkPrediction emulated = predictor(model, nominal, data, scatter)(model.posterior.best);
+  for (std::size_t s = 0; s < data.settings.size(); ++s) {
+    const double n = static_cast<double>(data.settings[s].train.rows());
+    if (n == 0 || !emulated.mean[s].allFinite()) continue;
+    MatrixXd c = (scatter + MatrixXd(data.extra.asDiagonal())) / n;
+    c.diagonal() += emulated.variance[s];
+    sum += squared_distance(data.settings[s].train.colwise().mean().transpose() - emulated.mean[s], c) - static_cast<double>(c.rows());
+  }
+  return std::max(0.0, sum);
+}
+
+std::vector<std::vector<Observation>> recorded(const Bundle& bundle, const std::vector<std::size_t>& runs) {
+  std::vector<std::vector<Observation>> result;
+  for (const std::size_t i : runs) result.push_back(bundle.runs[i].observations);
+  return result;
+}
+
+class BulkDiagnosing {
+ public:
+  BulkDiagnosing(const Bundle& bundle, const SimulateBulk& simulate, const BulkOptions& options)
+      : bundle_(bundle), options_(options), result_{}, campaign_(bundle, prepared(), simulate, options_) {}
+
+  BulkDiagnosis run() {
+    try {
+      campaign_.nominal();
+      measure_mismatch();
+      if (result_.lack_of_fit_p <= level) {
+        campaign_.screen();
+        campaign_.refine();
+        campaign_.numerics();
+      } else {
+        result_.notes.push_back(result_.tested_dimensions > 0 ? "The nominal scene was not rejected, so no candidate was simulated."
+                                                              : "There are as many free constants as tested numbers: any value is reached, and nothing can be said.");
+      }
+    } catch (const BulkInterrupted&) {
+      result_.interrupted = true;
+    }
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  const BulkData& prepared() {
+    result_.data = bulk_data(bundle_, options_.seed, result_.notes);
+    for (const std::string& warning : bundle_.warnings) result_.notes.push_back(warning);
+    return result_.data;
+  }
+
+  void measure_mismatch() {
+    const BulkModel& nominal = campaign_.models().front();
+    const BulkCampaign::LackOfFit test = campaign_.lack_of_fit(nominal);
+    result_.lack_of_fit_p = test.p;
+    result_.tested_dimensions = test.dimensions;
+    const BulkSetting& setting = result_.data.settings.front();
+    std::vector<std::vector<Observation>> simulated;
+    for (const BulkOutcome& o : outcomes_at_fit(nominal, nominal, 0))
+      if (o.failure.empty()) simulated.push_back(o.observations);
+    result_.where = locate_bulk(recorded(bundle_, setting.train_runs), simulated);
+    // One number alone: it is located where it was tested.
+    if (result_.where.size() == 1) result_.where.front().p = test.p;
+  }
+
+  void finish() {
+    result_.simulations = campaign_.simulations();
+    result_.scatter = campaign_.scatter().covariance;
+    result_.scatter_dof = campaign_.scatter().dof;
+    if (campaign_.failures() > 0) result_.notes.push_back(fmt::format("{} of {} simulations failed and were left out.", campaign_.failures(), campaign_.simulations()));
+    for (const BulkModel& m : campaign_.models())
+      if (m.posterior.weight.size() > 0) models_.push_back(&m);
+    if (models_.empty()) return;
+    judge_models();
+    const BulkModel& nominal = *models_.front();
+    for (const BulkModel* m : models_)
+      result_.models.push_back({*m, estimates_of(*m), score_of(*m, nominal, result_.data, result_.scatter, false), score_of(*m, nominal, result_.data, result_.scatter, true)});
+    compare_held_out();
+    suggest();
+    const BulkModel& best = *models_[result_.best];
+    const VectorXd& at = best.direct >= 0 ? best.design[static_cast<std::size_t>(best.direct)].at : best.posterior.best;
+    // An error of the recording changes nothing in the scene.
+    const bool of_scene = best.candidate.kind != BulkCandidate::Kind::recording;
+    result_.extended_scene = emit_yaml(bulk_scene(bundle_, campaign_.scale(), of_scene ? best.candidate : nominal.candidate, of_scene ? at : nominal.posterior.best));
+  }
+
+  void judge_models() {
+    bool held = false;
+    for (const BulkSetting& s : result_.data.settings) held = held || s.held.rows() > 0;
+    std::vector<Evidence> evidence;
+    const BulkModel& nominal = *models_.front();
+    std::size_t leading = 0;
+    for (std::size_t i = 0; i < models_.size(); ++i) {
+      const BulkModel& m = *models_[i];
+      Evidence e;
+      e.effects = m.candidate.hypothesis.names();
+      for (const Term& term : m.candidate.hypothesis.terms) e.sites.push_back(term.row->site);
+      // Calibrated constants are the nominal's own.
+      for (const Parameter& p : m.candidate.parameters) e.parameters += !p.effect.empty();
+      e.held_out = held ? m.posterior.held_log_likelihood : m.posterior.best_log_likelihood;
+      if (!std::isfinite(e.held_out)) e.held_out = -1e12;
+      e.train_gain = 2 * (m.posterior.best_log_likelihood - nominal.posterior.best_log_likelihood);
+      const BulkCampaign::LackOfFit left = campaign_.lack_of_fit(m);
+      e.lack_of_fit = left.p <= level ? std::sqrt(left.ratio) : 1;
+      evidence.push_back(e);
+      const auto worth = [&](std::size_t j) { return models_[j]->posterior.best_log_likelihood - static_cast<double>(models_[j]->candidate.parameters.size()); };
+      if (worth(i) > worth(leading)) leading = i;
+    }
+    if (leading != 0) {
+      result_.remaining_p = campaign_.lack_of_fit(*models_[leading]).p;
+      const double before = excess(nominal, nominal, result_.data, result_.scatter);
+      result_.explained = before > 0 ? 1 - excess(*models_[leading], nominal, result_.data, result_.scatter) / before : 0;
+    }
+    result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, result_.explained);
+    result_.best = static_cast<std::size_t>(result_.verdict.best);
+  }
+
+  void compare_held_out() {
+    const std::vector<double>& a = models_.front()->posterior.held_of_run;
+    const std::vector<double>& b = models_[result_.best]->posterior.held_of_run;
+    if (result_.best == 0 || a.size() < 2) return;
+    std::vector<double> gain;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (std::isfinite(a[i]) && std::isfinite(b[i])) gain.push_back(b[i] - a[i]);
+    if (gain.size() < 2) return;
+    const repose::Summary s = summarise(gain);
+    if (!(s.sd > 0)) return;
+    result_.effect_size = s.mean / s.sd;
+    result_.paired_p = boost::math::cdf(boost::math::complement(boost::math::students_t(static_cast<double>(gain.size() - 1)), s.mean / s.se));
+  }
+
+  /// The best against those it cannot be told from, else against its nearest rival.
+  void suggest() {
+    if (result_.best == 0) return;
+    const BulkModel& best = *models_[result_.best];
+    std::vector<std::string> names;
+    if (!result_.verdict.indistinguishable.empty()) names = result_.verdict.indistinguishable.front();
+    for (const Ranked& r : result_.verdict.ranked) {
+      if (r.model <= 0 || static_cast<std::size_t>(r.model) == result_.best) continue;
+      const bool rival = names.empty() ? result_.suggested.empty() : std::find(names.begin(), names.end(), r.effects.front()) != names.end();
+      if (!rival) continue;
+      SuggestedRecording s = bulk_recording_that_parts(best, *models_[static_cast<std::size_t>(r.model)], *models_.front(), result_.data, bundle_.runs.front().observations);
+      if (!s.what.empty()) result_.suggested.push_back(std::move(s));
+    }
+  }
+
+  const Bundle& bundle_;
+  const BulkOptions options_;
+  BulkDiagnosis result_;
+  BulkCampaign campaign_;
+  std::vector<const BulkModel*> models_;
+};
+
+}  // namespace
+
+bool is_bulk(const Bundle& bundle) {
+  return !bundle.scene.grains.empty() && std::any_of(bundle.runs.begin(), bundle.runs.end(), [](const BundleRun& run) { return !summaries_of(run.observations).empty(); });
+}
+
+BulkDiagnosis diagnose_bulk(const Bundle& bundle, const SimulateBulk& simulate, const BulkOptions& options) {
+  return BulkDiagnosing(bundle, simulate, options).run();
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,105 @@
+#include "analysis/diagnosis/bulk_locate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/statistics.hpp"
+#include "analysis/two_samples.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr int parts = 3;
+using Runs = std::vector<std::vector<Observation>>;
+
+const Observation* find(const std::vector<Observation>& all, const Observation& like) {
+  for (const Observation& o : all)
+    if (o.kind == like.kind && o.name == like.name && o.body == like.body) return &o;
+  return nullptr;
+}
+
+/// Mean of the finite values whose places lie in [from, to]; a simulated curve is sampled elsewhere than the recorded one.
+double mean_within(const Observation& o, double from, double to) {
+  const std::vector<double>& at = o.kind == ObservableKind::series ? o.time : o.at;
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (at[i] >= from && at[i] <= to && std::isfinite(o.value[i])) {
+      sum += o.value[i];
+      ++n;
+    }
+  if (n > 0) return sum / n;
+  // A curve that ended early keeps its last value.
+  return !at.empty() && o.kind == ObservableKind::series && from > at.back() ? o.value.back() : nan;
+}
+
+/// The stretch in which the series of the first simulated run changes.
+std::pair<double, double> moving_part(const Observation& o) {
+  const auto [low, high] = std::minmax_element(o.value.begin(), o.value.end());
+  const double a = *low, b = *high;
+  std::size_t first = 0, last = o.time.size() - 1;
+  while (first < last && o.value[first] < a + 0.02 * (b - a)) ++first;
+  while (last > first && o.value[last] > a + 0.98 * (b - a)) --last;
+  return last > first ? std::pair{o.time[first], o.time[last]} : std::pair{o.time.front(), o.time.back()};
+}
+
+void test(BulkLocated part, const std::vector<double>& recorded, const std::vector<double>& simulated, std::vector<BulkLocated>& found) {
+  if (recorded.empty() || simulated.size() < 2) return;
+  const Summary a = summarise(recorded), b = summarise(simulated);
+  part.difference = a.mean - b.mean;
+  const double sd = std::max(b.sd, a.sd);
+  part.in_scatter = sd > 0 ? part.difference / sd : 0;
+  part.p = recorded.size() > 1 ? welch_difference(recorded, simulated).p : 1;
+  found.push_back(std::move(part));
+}
+
+std::string phase_of(const Observation& o) {
+  if (o.name.starts_with("roller_") || o.kind == ObservableKind::surface) return "spread";
+  return o.name == "discharged_mass" || o.name == "surface_angle" ? "flow" : "heap";
+}
+
+template <class Value>
+std::vector<double> values(const Runs& runs, const Observation& like, Value value) {
+  std::vector<double> result;
+  for (const auto& run : runs)
+    if (const Observation* o = find(run, like))
+      if (const double v = value(*o); std::isfinite(v)) result.push_back(v);
+  return result;
+}
+
+}  // namespace
+
+std::vector<BulkLocated> locate_bulk(const Runs& recorded, const Runs& simulated) {
+  std::vector<BulkLocated> found;
+  if (recorded.empty() || simulated.empty()) return found;
+  for (const Observation& o : recorded.front()) {
+    const Observation* model = find(simulated.front(), o);
+    if (model == nullptr) continue;
+    BulkLocated part;
+    part.observable = o.name;
+    part.phase = phase_of(o);
+    const auto compare = [&](auto value) { test(part, values(recorded, o, value), values(simulated, o, value), found); };
+    if (o.kind == ObservableKind::scalar) compare([](const Observation& x) { return x.scalar; });
+    if ((o.kind == ObservableKind::series && model->time.size() < 2) || (o.kind == ObservableKind::profile && o.at.empty())) continue;
+    if (o.kind != ObservableKind::series && o.kind != ObservableKind::profile) continue;
+    const bool series = o.kind == ObservableKind::series;
+    const auto [from, to] = series ? moving_part(*model) : std::pair{0.0, *std::max_element(o.at.begin(), o.at.end())};
+    for (int i = 0; i < parts; ++i) {
+      const double a = from + (to - from) * i / parts, b = from + (to - from) * (i + 1) / parts;
+      (series ? part.t_start : part.radius_from) = a;
+      (series ? part.t_end : part.radius_to) = b;
+      compare([a, b](const Observation& x) { return mean_within(x, a, b); });
+    }
+  }
+  std::vector<double> p;
+  for (const BulkLocated& l : found) p.push_back(l.p);
+  const std::vector<double> corrected = holm(p);
+  for (std::size_t i = 0; i < found.size(); ++i) found[i].p = corrected[i];
+  std::stable_sort(found.begin(), found.end(), [](const BulkLocated& a, const BulkLocated& b) {
+    return a.p != b.p ? a.p < b.p : std::abs(a.in_scatter) > std::abs(b.in_scatter);
+  });
+  return found;
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,25 @@
+#pragma once
+/// Where bulk observables differ: each curve in three parts, each part tested alone and corrected for all the others.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/bundle/bundle.hpp"
+
+namespace repose::diagnosis {
+
+struct BulkLocated {
+  std::string observable, phase;      ///< phase: heap, flow or spread
+  std::optional<double> t_start, t_end;            ///< part of a series [s]
+  std::optional<double> radius_from, radius_to;    ///< part of a profile [m]
+  double difference = 0;              ///< recorded minus simulated, mean over the part, in the observable's unit
+  double in_scatter = 0;              ///< the same in standard deviations of one run
+  double p = 1;                       ///< Welch's t test, corrected for all parts (Holm)
+};
+
+/// `recorded`, `simulated`: observations of replicates. Profiles are parted by radius, series by the time between 2 % and 98 % of the rise of
+/// the simulated mean (the whole time if it does not rise); scalars stand whole. Sorted by p. Fewer than two recorded runs: none can be
+/// tested, p = 1.
+std::vector<BulkLocated> locate_bulk(const std::vector<std::vector<Observation>>& recorded, const std::vector<std::vector<Observation>>& simulated);
+
+}  // namespace repose::diagnosis

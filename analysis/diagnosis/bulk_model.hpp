@@ -1,0 +1,56 @@
+#pragma once
+/// One candidate with the simulations made for it, and what they lead to expect elsewhere.
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/bulk_candidate.hpp"
+#include "analysis/diagnosis/bulk_posterior.hpp"
+
+namespace repose::diagnosis {
+
+/// One simulation that is asked for.
+struct BulkRequest {
+  std::string scene;  ///< YAML
+  std::uint64_t seed = 1;
+};
+
+/// What it gave, in the form of a recording: all that can be observed of such a scene, asked for or not.
+struct BulkOutcome {
+  std::vector<Observation> observations;
+  std::string failure;  ///< not empty: the simulation failed, nothing is known
+};
+
+/// Runs a batch, in any order, side by side; answers in the order of the requests. nullopt: interrupted (what was finished is kept by
+/// whoever runs it, so that the same batch goes on from there). `stage`: for the progress.
+using SimulateBulk = std::function<std::optional<std::vector<BulkOutcome>>(const std::string& stage, const std::vector<BulkRequest>&)>;
+
+/// A point of the cube with its replicates.
+struct DesignPoint {
+  Eigen::VectorXd at;
+  std::vector<std::vector<BulkOutcome>> outcomes;  ///< of each setting, of each seed
+  std::vector<Eigen::MatrixXd> rows;               ///< of each setting: one row of summaries per seed
+};
+
+struct BulkModel {
+  BulkCandidate candidate;
+  std::vector<DesignPoint> design;
+  int direct = -1;                ///< index of the design point that stands for the fitted model; -1: none yet
+  BulkPosterior posterior;
+  std::size_t fitted_designs = 0; ///< length of `design` that the posterior knows
+};
+
+/// Summaries of outcomes, NaN where there are none. One row each.
+Eigen::MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<BulkSummary>& summaries);
+
+/// What the model expects. Without parameters: the means of its replicates. Simulated: one emulator for each summary and setting, which also
+/// knows where the nominal scene lies. Errors of the recording: the outcomes of the nominal scene with the error made on each.
+/// `nominal` must outlive the result; `scatter` S between seeds.
+Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const Eigen::MatrixXd& scatter);
+
+/// The replicates that stand for the fitted model, of one setting; no rows if it was not simulated.
+Eigen::MatrixXd rows_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting);
+std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, std::size_t setting);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,164 @@
+#include "scenarios/bulk_diagnosis_json.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "analysis/diagnosis/bulk_statistics.hpp"
+#include "analysis/report/report.hpp"
+
+namespace repose {
+namespace {
+
+using nlohmann::json;
+using namespace diagnosis;
+
+json number(double x) { return std::isfinite(x) ? json(x) : json(nullptr); }
+
+template <class T>
+json number(const std::optional<T>& x) {
+  return x ? json(*x) : json(nullptr);
+}
+
+json runs_json(const BulkScore& score, const Bundle& bundle) {
+  json list = json::array();
+  for (const std::size_t run : score.runs) list.push_back(bundle.runs[run].id);
+  return list;
+}
+
+json score_json(const BulkScore& score) {
+  if (score.runs.empty()) return json::object();
+  return {{"chi2_per_dof", number(score.chi2_per_dof)}, {"rmse", score.rmse}};
+}
+
+json missing_json(const BulkDiagnosis& d) {
+  json list = json::array();
+  const BulkFitted& best = d.models[d.best];
+  double probability = 0;
+  for (const Ranked& r : d.verdict.ranked)
+    if (r.model >= 0 && static_cast<std::size_t>(r.model) == d.best) probability = r.probability;
+  for (const std::string& effect : best.model.candidate.hypothesis.names()) {
+    json parameters = json::object();
+    for (const BulkEstimate& e : best.estimates)
+      if (e.effect == effect) parameters[e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}, {"unit", e.unit}};
+    list.push_back({{"effect", effect}, {"probability", probability}, {"parameters", parameters}});
+  }
+  return list;
+}
+
+json where_json(const BulkDiagnosis& d) {
+  json list = json::array();
+  for (const BulkLocated& l : d.where)
+    list.push_back({{"observable", l.observable},
+                    {"body", nullptr},
+                    {"phase", l.phase},
+                    {"run", nullptr},
+                    {"t_start", number(l.t_start)},
+                    {"t_end", number(l.t_end)},
+                    {"region", l.radius_from ? json{{"radius_from", *l.radius_from}, {"radius_to", *l.radius_to}} : json(nullptr)},
+                    {"p", l.p},
+                    {"difference", l.difference},
+                    {"in_scatter", l.in_scatter}});
+  return list;
+}
+
+json summaries_json(const BulkDiagnosis& d) {
+  json list = json::array();
+  const BulkModel& nominal = d.models.front().model;
+  const Eigen::MatrixXd plain = rows_at_fit(nominal, nominal, d.data, 0), full = rows_at_fit(d.models[d.best].model, nominal, d.data, 0);
+  for (std::size_t k = 0; k < d.data.summaries.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const auto mean = [&](const Eigen::MatrixXd& rows) { return rows.rows() > 0 ? number(complete_rows(rows.col(column)).mean()) : json(nullptr); };
+    const BulkSummary& s = d.data.summaries[k];
+    list.push_back({{"name", s.name},
+                    {"unit", s.unit},
+                    {"recorded", mean(d.data.settings.front().train)},
+                    {"nominal", mean(plain)},
+                    {"extended", mean(full)},
+                    {"sd_seed", std::sqrt(d.scatter(column, column))}});
+  }
+  return list;
+}
+
+const EffectRow* first_effect(const BulkFitted& best) { return best.model.candidate.hypothesis.terms.front().row; }
+
+}  // namespace
+
+json bulk_diagnosis_json(const BulkDiagnosis& d, const Bundle& bundle) {
+  json result;
+  const BulkFitted& nominal = d.models.front();
+  const BulkFitted& best = d.models[d.best];
+  result["verdict"] = d.verdict.word;
+  result["headline"] = bulk_diagnosis_in_words(d);
+  result["missing"] = missing_json(d);
+  for (const Ranked& r : d.verdict.ranked) {
+    json entry = {{"effects", r.effects}, {"probability", r.probability}};
+    if (r.model >= 0) {
+      const BulkFitted& m = d.models[static_cast<std::size_t>(r.model)];
+      entry["heldout_log_likelihood"] = number(r.held_out);
+      entry["where_it_acts"] = m.model.candidate.hypothesis.label();
+      entry["train_chi2_per_dof"] = number(m.train.chi2_per_dof);
+      entry["parameters"] = json::object();
+      for (const BulkEstimate& e : m.estimates) entry["parameters"][e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}, {"unit", e.unit}};
+    }
+    result["ranked"].push_back(entry);
+  }
+  result["indistinguishable"] = d.verdict.indistinguishable;
+  result["suggested_recordings"] = json::array();
+  for (const SuggestedRecording& s : d.suggested)
+    result["suggested_recordings"].push_back({{"what", s.what}, {"separates", {s.first, s.second}}, {"power", s.power}});
+  result["where"] = where_json(d);
+  result["depends_on"] = json::array();
+  json calibrated = json::object();
+  for (const BulkEstimate& e : nominal.estimates) calibrated[e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}};
+  result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", nullptr}};
+  result["fit"]["train"] = {{"runs", runs_json(nominal.train, bundle)}, {"nominal", score_json(nominal.train)}, {"extended", score_json(best.train)}};
+  result["fit"]["heldout"] = {{"runs", runs_json(nominal.held_out, bundle)}, {"nominal", score_json(nominal.held_out)}, {"extended", score_json(best.held_out)},
+                              {"paired_p", d.paired_p}, {"effect_size", d.effect_size}};
+  result["extended_scene"] = "extended.yaml";
+  result["summaries"] = summaries_json(d);
+  result["tested"] = json::array();
+  for (const Eigen::Index k : d.data.tested) result["tested"].push_back(d.data.summaries[static_cast<std::size_t>(k)].name);
+  result["scatter_dof"] = d.scatter_dof;
+  result["remaining_p"] = d.remaining_p;
+  result["explained"] = d.explained;
+  result["simulations"] = d.simulations;
+  result["notes"] = d.notes;
+  return result;
+}
+
+std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
+  if (d.models.empty()) return "Interrupted before the nominal scene was simulated.";
+  if (d.verdict.word == "none")
+    return d.tested_dimensions > 0 ? fmt::format("Nothing is missing: the nominal scene explains what was recorded within the scatter of its packings (p = {:.2g}).", d.lack_of_fit_p)
+                                   : "Nothing can be said: there are as many free constants as tested numbers.";
+  std::string text;
+  if (!d.where.empty()) {
+    const BulkLocated& l = d.where.front();
+    text = fmt::format("The recorded {} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", l.observable, std::abs(l.in_scatter),
+                       l.radius_from ? fmt::format(" between {:.3g} and {:.3g} m from the axis", *l.radius_from, *l.radius_to)
+                       : l.t_start   ? fmt::format(" between {:.3g} and {:.3g} s", *l.t_start, *l.t_end)
+                                     : "",
+                       l.p);
+  }
+  if (d.verdict.word == "unknown" || d.best == 0) return text + "Something is missing that no candidate explains.";
+  const BulkFitted& best = d.models[d.best];
+  std::string name = best.model.candidate.hypothesis.label();
+  for (const BulkEstimate& e : best.estimates)
+    if (!e.effect.empty()) name += fmt::format(", {} = {:.3g}{} ({:.3g} to {:.3g})", e.name, e.value, e.unit == "1" ? "" : " " + e.unit, e.lower, e.upper);
+  if (d.verdict.word == "ambiguous") {
+    std::vector<std::string> rivals;
+    for (const std::string& other : d.verdict.indistinguishable.front())
+      if (other != best.model.candidate.hypothesis.names().front()) rivals.push_back(other);
+    text += fmt::format("The best explanation is {}; these observables cannot tell it from {}.", name, fmt::join(rivals, ", "));
+  } else {
+    text += name + " explains it.";
+  }
+  if (!best.held_out.runs.empty())
+    text += fmt::format(" On {} recordings that were not used, chi^2 per number falls from {:.3g} to {:.3g}.", best.held_out.runs.size(), d.models.front().held_out.chi2_per_dof,
+                        best.held_out.chi2_per_dof);
+  for (const SuggestedRecording& s : d.suggested) text += fmt::format(" To tell {} from {}: {} (chance {:.0f} %).", s.first, s.second, s.what, 100 * s.power);
+  return text + " Claim: " + first_effect(best)->claim;
+}
+
+}  // namespace repose

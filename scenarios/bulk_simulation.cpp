@@ -1,0 +1,149 @@
+#include "scenarios/bulk_simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "analysis/heap_measurement.hpp"
+#include "core/error.hpp"
+#include "scenarios/history.hpp"
+#include "scenarios/interrupt.hpp"
+#include "scenarios/version.hpp"
+
+namespace repose {
+namespace {
+
+using nlohmann::json;
+
+const std::set<std::string>& simulated_series() {
+  static const std::set<std::string> names{"discharged_mass", "mass_on_base", "roller_force_x", "roller_force_z", "roller_torque"};
+  return names;
+}
+
+bool can_be_simulated(const Observation& o) {
+  return (o.kind == ObservableKind::scalar && o.name == "angle_of_repose") || (o.kind == ObservableKind::profile && o.name == "heap") ||
+         (o.kind == ObservableKind::series && simulated_series().contains(o.name));
+}
+
+/// Everything that such a run can show.
+struct Shown {
+  std::vector<std::string> series;
+  std::vector<std::string> units;
+  bool heap = false;
+};
+
+Shown shown_of(const Bundle& bundle) {
+  Shown shown;
+  shown.heap = heap_site(bundle.scene).has_value();
+  const auto add = [&](const std::string& name, const std::string& unit) {
+    if (std::find(shown.series.begin(), shown.series.end(), name) != shown.series.end()) return;
+    shown.series.push_back(name);
+    shown.units.push_back(unit);
+  };
+  for (const Observation& o : bundle.runs.front().observations)
+    if (o.kind == ObservableKind::series && simulated_series().contains(o.name)) add(o.name, o.unit);
+  if (funnel_outlet(bundle.scene)) add("discharged_mass", "kg");
+  return shown;
+}
+
+json simulate_one(const Backend& backend, const Scene& scene, std::uint64_t seed, const Shown& shown, bool allow_unsupported) {
+  SimulationRequest request;
+  request.scene = &scene;
+  request.seed = seed;
+  request.series = shown.series;
+  request.until_rest = shown.heap && std::none_of(shown.series.begin(), shown.series.end(), [](const std::string& name) { return name.starts_with("roller_"); });
+  const HistoryRun run = run_history(backend, request, allow_unsupported);
+  json result;
+  for (std::size_t i = 0; i < shown.series.size(); ++i)
+    result["series"].push_back({{"name", shown.series[i]}, {"unit", shown.units[i]}, {"value", run.history.series.at(shown.series[i])}});
+  result["time"] = run.history.time;
+  result["converged"] = run.history.converged;
+  if (shown.heap) {
+    const HeapMeasurement heap = measure_heap(scene, run.model, run.final_state, nullptr, {});
+    result["heap"] = {{"radius", heap.repose.profile.radius}, {"height", heap.repose.profile.height}};
+    if (heap.repose.angle) result["angle_of_repose"] = heap.repose.angle->value;
+  }
+  return result;
+}
+
+diagnosis::BulkOutcome outcome_of(const json& result) {
+  diagnosis::BulkOutcome outcome;
+  Observation angle;
+  angle.kind = ObservableKind::scalar;
+  angle.name = "angle_of_repose";
+  angle.unit = "deg";
+  angle.scalar = result.contains("angle_of_repose") ? result["angle_of_repose"].get<double>() : std::numeric_limits<double>::quiet_NaN();
+  if (result.contains("heap")) {
+    outcome.observations.push_back(angle);
+    Observation profile;
+    profile.kind = ObservableKind::profile;
+    profile.name = "heap";
+    profile.at = result["heap"]["radius"].get<std::vector<double>>();
+    profile.value = result["heap"]["height"].get<std::vector<double>>();
+    outcome.observations.push_back(std::move(profile));
+  }
+  for (const json& s : result.value("series", json::array())) {
+    Observation series;
+    series.kind = ObservableKind::series;
+    series.name = s["name"].get<std::string>();
+    series.unit = s["unit"].get<std::string>();
+    series.time = result["time"].get<std::vector<double>>();
+    series.value = s["value"].get<std::vector<double>>();
+    outcome.observations.push_back(std::move(series));
+  }
+  if (!result.value("converged", true)) outcome.failure = "fewer than 95 % of the steps converged";
+  return outcome;
+}
+
+}  // namespace
+
+Bundle only_simulated(Bundle bundle) {
+  std::set<std::string> out;
+  for (BundleRun& run : bundle.runs)
+    std::erase_if(run.observations, [&](const Observation& o) {
+      if (!can_be_simulated(o)) out.insert(o.name);
+      return !can_be_simulated(o);
+    });
+  for (const std::string& name : out)
+    bundle.warnings.push_back(fmt::format("`{}` is left out: no simulation of many grains shows it yet", name));
+  if (std::any_of(bundle.runs.begin(), bundle.runs.end(), [](const BundleRun& run) { return run.observations.empty(); }))
+    throw Error("runs", "a run has nothing that a simulation of many grains shows", "those that are: angle_of_repose, heap, discharged_mass, mass_on_base, roller_force_*");
+  return bundle;
+}
+
+diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle& bundle, BulkSimulation how) {
+  const Shown shown = shown_of(bundle);
+  return [&backend, &bundle, how = std::move(how), shown](const std::string& stage,
+                                                          const std::vector<diagnosis::BulkRequest>& requests) -> std::optional<std::vector<diagnosis::BulkOutcome>> {
+    const std::string build = fmt::format("{} {} {}", version(), commit(), fmt::join(shown.series, " "));
+    std::vector<Job> jobs;
+    for (std::size_t i = 0; i < requests.size(); ++i) jobs.push_back({i, requests[i].seed, job_key(requests[i].scene, requests[i].seed, backend.name, build)});
+    JobsHooks hooks;
+    hooks.interrupted = interrupted;
+    hooks.progress = [&](const JobsProgress& p) {
+      if (how.progress) how.progress(stage, p);
+    };
+    const auto simulate = [&](const Job& job) -> std::optional<json> {
+      Scene scene = parse_scene(requests[job.scene].scene, bundle.scene_file.string(), {}, bundle.scene_file.parent_path());
+      scene.solver.threads = 1;
+      try {
+        return simulate_one(backend, scene, job.seed, shown, how.allow_unsupported);
+      } catch (const Error&) {
+        if (interrupted()) return std::nullopt;
+        throw;
+      }
+    };
+    const JobsReport report = run_jobs(jobs, how.folder, how.workers, simulate, hooks);
+    std::vector<diagnosis::BulkOutcome> outcomes;
+    for (const auto& result : report.results) {
+      if (!result) return std::nullopt;
+      outcomes.push_back(result->failure.empty() ? outcome_of(result->observables) : diagnosis::BulkOutcome{{}, result->failure});
+    }
+    return outcomes;
+  };
+}
+
+}  // namespace repose

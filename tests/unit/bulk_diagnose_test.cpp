@@ -1,0 +1,165 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/error.hpp"
+#include "tests/unit/stand_in_heap.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+const std::vector<Override> rolling{{"pairs.grain-grain.rolling_friction", "0.075"}};
+const std::vector<std::string> usual{"rolling_friction", "cohesion", "grain_shape", "restitution"};
+
+BulkOptions with(std::vector<std::string> effects, std::uint64_t seed = 1) {
+  BulkOptions options;
+  options.seed = seed;
+  options.effects = std::move(effects);
+  return options;
+}
+
+bool holds(const std::vector<std::string>& list, const std::string& name) { return std::find(list.begin(), list.end(), name) != list.end(); }
+
+/// Leaves only these observables in the recorded runs.
+void keep(Bundle& bundle, const std::vector<std::string>& names) {
+  for (BundleRun& run : bundle.runs) std::erase_if(run.observations, [&](const Observation& o) { return !holds(names, o.name); });
+}
+
+TEST(BulkDiagnosisTest, NominalRecordingsLackNothing) {
+  int alarms = 0;
+  for (std::uint64_t i = 0; i < 60; ++i) alarms += diagnose_bulk(recorded_heaps(9, 100 * (i + 1), {}), stand_in(), with({"rolling_friction"}, i + 1)).verdict.word != "none";
+  EXPECT_LE(alarms, 4);  // 60 at a rate of 1 %: more than 4 once in 3,000 times
+}
+
+TEST(BulkDiagnosisTest, RollingFrictionIsFoundWithItsValue) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, rolling), stand_in(), with(usual));
+  EXPECT_EQ(d.verdict.word, "missing");
+  ASSERT_NE(d.best, 0u);
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "rolling_friction (grain-grain)");
+  ASSERT_EQ(d.models[d.best].estimates.size(), 1u);
+  const BulkEstimate& e = d.models[d.best].estimates.front();
+  EXPECT_NEAR(e.value, 0.075, 0.02);
+  EXPECT_LE(e.lower, 0.075);
+  EXPECT_GE(e.upper, 0.075);
+  EXPECT_LT(d.lack_of_fit_p, 1e-6);
+  EXPECT_GT(d.remaining_p, 0.01);
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 0.2 * d.models.front().held_out.chi2_per_dof);
+  EXPECT_EQ(d.models[d.best].held_out.runs.size(), 4u);
+  EXPECT_LT(d.paired_p, 0.05);
+  double sum = 0;
+  for (const Ranked& r : d.verdict.ranked) sum += r.probability;
+  EXPECT_NEAR(sum, 1, 1e-9);
+}
+
+TEST(BulkDiagnosisTest, TheExtendedSceneHoldsTheValueThatWasSimulated) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, rolling), stand_in(), with({"rolling_friction"}));
+  ASSERT_EQ(d.best, 1u);
+  EXPECT_NEAR(number_at(parse_yaml(d.extended_scene, "extended"), "pairs.grain-grain.rolling_friction", -1), d.models[1].estimates.front().value, 1e-12);
+  parse_scene(d.extended_scene, "extended");
+}
+
+TEST(BulkDiagnosisTest, TheSlowerFlowTellsElongationFromRolling) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 900, {{"effects.grain_shape.aspect", "1.8"}}), stand_in(), with(usual));
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "grain_shape");
+}
+
+TEST(BulkDiagnosisTest, APairThatActsAlikeIsOneClass) {
+  const StandIn alike{.shape_slows_flow = false};
+  // Without the flow, rolling friction and elongation steepen and raise a heap in the same way.
+  Bundle bundle = recorded_heaps(12, 500, rolling, alike);
+  keep(bundle, {"angle_of_repose", "heap"});
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(alike), with({"rolling_friction", "grain_shape"}));
+  EXPECT_EQ(d.verdict.word, "ambiguous");
+  ASSERT_EQ(d.verdict.indistinguishable.size(), 1u);
+  EXPECT_TRUE(holds(d.verdict.indistinguishable.front(), "rolling_friction"));
+  EXPECT_TRUE(holds(d.verdict.indistinguishable.front(), "grain_shape"));
+}
+
+TEST(BulkDiagnosisTest, SuggestsTheObservableThatTells) {
+  Bundle bundle = recorded_heaps(12, 500, rolling);
+  keep(bundle, {"angle_of_repose", "heap"});
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction", "grain_shape"}));
+  EXPECT_EQ(d.verdict.word, "ambiguous");
+  ASSERT_FALSE(d.suggested.empty());
+  EXPECT_NE(d.suggested.front().what.find("discharged_mass"), std::string::npos) << d.suggested.front().what;
+  EXPECT_GT(d.suggested.front().power, 0.9);
+}
+
+TEST(BulkDiagnosisTest, OneNumberHasManyExplanations) {
+  Bundle bundle = recorded_heaps(1, 1, {});
+  keep(bundle, {"angle_of_repose"});
+  bundle.runs.front().observations.front().scalar = 32.93;
+  bundle.runs.front().observations.front().sd = 1.15;
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with(usual));
+  EXPECT_EQ(d.verdict.word, "ambiguous");
+  ASSERT_EQ(d.verdict.indistinguishable.size(), 1u);
+  EXPECT_GE(d.verdict.indistinguishable.front().size(), 2u);
+  EXPECT_LE(d.verdict.indistinguishable.front().size(), 3u);
+  ASSERT_EQ(d.where.size(), 1u);
+  EXPECT_LT(d.where.front().p, 0.01);
+}
+
+TEST(BulkDiagnosisTest, OneNumberWithinItsErrorLacksNothing) {
+  Bundle bundle = recorded_heaps(1, 1, {});
+  keep(bundle, {"angle_of_repose"});
+  bundle.runs.front().observations.front().scalar = 21;
+  bundle.runs.front().observations.front().sd = 1.15;
+  EXPECT_EQ(diagnose_bulk(bundle, stand_in(), with(usual)).verdict.word, "none");
+}
+
+TEST(BulkDiagnosisTest, AFasterFlowThatNothingExplainsIsUnknown) {
+  const StandIn hidden{.hidden_flow = 0.5};
+  Bundle bundle = recorded_heaps(12, 500, {}, hidden);
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction", "restitution"}));
+  EXPECT_EQ(d.verdict.word, "unknown");
+  ASSERT_FALSE(d.where.empty());
+  EXPECT_EQ(d.where.front().observable, "discharged_mass");
+  EXPECT_EQ(d.where.front().phase, "flow");
+}
+
+TEST(BulkDiagnosisTest, AWrongRulerIsAnErrorOfTheRecording) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {}, {.length_factor = 1.12}), stand_in(), with({"rolling_friction", "restitution", "length_scale"}));
+  EXPECT_EQ(d.verdict.word, "measurement");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "length_scale");
+  EXPECT_NEAR(d.models[d.best].estimates.front().value, 1.12, 0.02);
+}
+
+TEST(BulkDiagnosisTest, AConstantThatNobodyMeasuredIsCalibrated) {
+  Bundle bundle = recorded_heaps(12, 500, {{"pairs.grain-grain.friction", "0.8"}});
+  bundle.calibrate = {"pairs.grain-grain.friction"};
+  keep(bundle, {"angle_of_repose", "discharged_mass"});
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction"}));
+  EXPECT_EQ(d.verdict.word, "none");
+  ASSERT_EQ(d.models.front().estimates.size(), 1u);
+  EXPECT_NEAR(d.models.front().estimates.front().value, 0.8, 0.08);
+}
+
+TEST(BulkDiagnosisTest, SettingsAreTestedTogether) {
+  Bundle bundle = recorded_heaps(12, 500, rolling);
+  for (std::size_t i = 0; i < 12; i += 2) bundle.runs[i].set = {{"pairs.grain-grain.friction", "0.5"}};
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction", "grain_shape"}));
+  EXPECT_EQ(d.data.settings.size(), 2u);
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "rolling_friction");
+}
+
+TEST(BulkDiagnosisTest, AnInterruptionKeepsWhatWasFound) {
+  int batches = 0;
+  const SimulateBulk simulate = [&, plain = stand_in()](const std::string& stage, const std::vector<BulkRequest>& requests) {
+    return ++batches > 1 ? std::nullopt : plain(stage, requests);
+  };
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, rolling), simulate, with(usual));
+  EXPECT_TRUE(d.interrupted);
+  EXPECT_LT(d.lack_of_fit_p, 0.01);
+  EXPECT_EQ(diagnose_bulk(recorded_heaps(12, 500, rolling), [](const std::string&, const auto&) { return std::nullopt; }, with(usual)).models.size(), 0u);
+}
+
+TEST(BulkDiagnosisTest, ASceneThatMakesNoHeapIsAnError) {
+  const SimulateBulk broken = [](const std::string&, const std::vector<BulkRequest>& requests) {
+    return std::optional(std::vector<BulkOutcome>(requests.size(), BulkOutcome{{}, "no heap"}));
+  };
+  EXPECT_THROW(diagnose_bulk(recorded_heaps(1, 500, {}), broken, with(usual)), Error);
+}
+
+}  // namespace
+}  // namespace repose::diagnosis

@@ -1,0 +1,241 @@
+#include <gtest/gtest.h>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "analysis/bundle/sensor.hpp"
+#include "analysis/diagnosis/bulk_candidate.hpp"
+#include "analysis/diagnosis/bulk_emulator.hpp"
+#include "analysis/diagnosis/bulk_posterior.hpp"
+#include "analysis/diagnosis/bulk_statistics.hpp"
+#include "analysis/diagnosis/bulk_summary.hpp"
+#include "core/error.hpp"
+#include "core/random.hpp"
+#include "tests/unit/stand_in_heap.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Rows of three correlated numbers of very unlike size.
+MatrixXd packings(Index rows, Random& random) {
+  MatrixXd x(rows, 3);
+  for (Index i = 0; i < rows; ++i) {
+    const double a = normal(random), b = normal(random), c = normal(random);
+    x.row(i) << 30 + a, 1e-5 * (1 + 0.1 * (0.6 * a + 0.8 * b)), 2e-4 * (1 + 0.03 * c);
+  }
+  return x;
+}
+
+TEST(HotellingTest, OneNumberIsStudentsTest) {
+  MatrixXd a(3, 1), b(4, 1);
+  a << 1, 2, 3;
+  b << 2, 4, 6, 8;
+  const MeanTest test = same_mean(a, b, VectorXd::Zero(1));
+  const double t = 3 / std::sqrt(4.4 * (1.0 / 3 + 1.0 / 4));
+  EXPECT_NEAR(test.statistic, t * t, 1e-12);
+  EXPECT_NEAR(test.p, 2 * boost::math::cdf(boost::math::complement(boost::math::students_t(5), t)), 1e-12);
+}
+
+TEST(HotellingTest, FalseAlarmsComeAtTheirRate) {
+  Random random(1, 1);
+  int alarms = 0;
+  constexpr int trials = 4000;
+  for (int i = 0; i < trials; ++i) alarms += same_mean(packings(8, random), packings(10, random), VectorXd::Zero(3)).p < 0.05;
+  EXPECT_NEAR(alarms, 0.05 * trials, 4 * std::sqrt(0.05 * 0.95 * trials));
+}
+
+TEST(HotellingTest, ASingleRunIsTestedToo) {
+  Random random(2, 1);
+  int alarms = 0;
+  constexpr int trials = 4000;
+  for (int i = 0; i < trials; ++i) alarms += same_mean(packings(1, random), packings(10, random), VectorXd::Zero(3)).p < 0.05;
+  EXPECT_NEAR(alarms, 0.05 * trials, 4 * std::sqrt(0.05 * 0.95 * trials));
+}
+
+TEST(HotellingTest, SeesAShiftInAnyUnit) {
+  Random random(3, 1);
+  MatrixXd a = packings(8, random);
+  a.col(2).array() *= 1.15;  // five standard deviations of a single run
+  EXPECT_LT(same_mean(a, packings(10, random), VectorXd::Zero(3)).p, 1e-3);
+}
+
+TEST(HotellingTest, NothingIsTestedWhenEveryNumberWasFitted) {
+  Random random(4, 1);
+  const MeanTest test = same_mean(packings(8, random), packings(10, random), VectorXd::Zero(3), 3);
+  EXPECT_EQ(test.dimensions, 0);
+  EXPECT_EQ(test.p, 1);
+}
+
+TEST(HotellingTest, AStatedErrorMakesItMilder) {
+  MatrixXd a(1, 1), b(4, 1);
+  a << 33;
+  b << 22, 23, 24, 23;
+  VectorXd large(1);
+  large << 100;
+  EXPECT_LT(same_mean(a, b, VectorXd::Zero(1)).p, 0.01);
+  EXPECT_GT(same_mean(a, b, large).p, 0.1);
+}
+
+TEST(FisherTest, TwoHalvesCombine) {
+  const double p[] = {0.5, 0.5};
+  EXPECT_NEAR(combined_p(p), 0.25 * (1 - std::log(0.25)), 1e-12);  // chi^2 of four degrees of freedom in closed form
+}
+
+TEST(ScatterTest, PoolsAboutMeansOfTheirOwn) {
+  MatrixXd a(2, 1), b(3, 1);
+  a << 0, 2;
+  b << 100, 101, 102;
+  const MatrixXd samples[] = {a, b};
+  const Scatter s = pooled_scatter(samples);
+  EXPECT_EQ(s.dof, 3);
+  EXPECT_NEAR(s.covariance(0, 0), 4.0 / 3, 1e-12);
+}
+
+TEST(ScatterTest, ShrinksChanceCorrelationsAndKeepsTrueOnes) {
+  Random random(5, 1);
+  const MatrixXd few[] = {packings(6, random)}, many[] = {packings(4000, random)};
+  const auto correlation = [](const MatrixXd& c, Index i, Index j) { return c(i, j) / std::sqrt(c(i, i) * c(j, j)); };
+  EXPECT_NEAR(correlation(shrunken_scatter(many).covariance, 0, 1), 0.6, 0.05);
+  const MatrixXd raw = pooled_scatter(few).covariance, shrunk = shrunken_scatter(few).covariance;
+  EXPECT_LT(std::abs(correlation(shrunk, 0, 2)), std::abs(correlation(raw, 0, 2)));
+  EXPECT_EQ(raw.diagonal(), shrunk.diagonal());
+}
+
+TEST(NormalDensityTest, StandardNormalAtZero) {
+  EXPECT_NEAR(log_normal_density(VectorXd::Zero(2), 4 * MatrixXd::Identity(2, 2)), -std::log(2 * std::numbers::pi) - std::log(4.0), 1e-12);
+}
+
+double hill(double u) { return 20 + 12 * (1 - std::exp(-u / 0.2)); }
+
+TEST(EmulatorTest, FollowsASmoothCurveThroughFewNoisyPoints) {
+  Random random(6, 1);
+  constexpr Index n = 8;
+  MatrixXd at(n, 1);
+  VectorXd y(n);
+  for (Index i = 0; i < n; ++i) {
+    at(i, 0) = static_cast<double>(i) / (n - 1);
+    y[i] = hill(at(i, 0)) + 0.3 * normal(random);
+  }
+  const Emulator emulator(at, y, VectorXd::Constant(n, 0.09));
+  int within = 0;
+  for (int i = 0; i <= 50; ++i) {
+    const VectorXd u = VectorXd::Constant(1, 0.02 * i);
+    const Emulator::Prediction p = emulator.at(u);
+    EXPECT_NEAR(p.mean, hill(u[0]), 1.2);
+    within += std::abs(p.mean - hill(u[0])) < 2 * std::sqrt(p.variance);
+  }
+  EXPECT_GE(within, 40);
+}
+
+TEST(EmulatorTest, IsLessSureFarFromItsPoints) {
+  MatrixXd at(2, 1);
+  at << 0.1, 0.2;
+  VectorXd y(2);
+  y << 1, 2;
+  const Emulator emulator(at, y, VectorXd::Constant(2, 0.01));
+  EXPECT_GT(emulator.at(VectorXd::Constant(1, 1.0)).variance, 5 * emulator.at(VectorXd::Constant(1, 0.15)).variance);
+}
+
+TEST(EmulatorTest, FindsTheAxisThatDoesNothing) {
+  const MatrixXd at = space_filling(24, 2);
+  VectorXd y(24);
+  for (Index i = 0; i < 24; ++i) y[i] = hill(at(i, 0));
+  const Emulator emulator(at, y, VectorXd::Constant(24, 1e-4));
+  EXPECT_GT(emulator.lengths()[1], 2 * emulator.lengths()[0]);
+}
+
+TEST(EmulatorTest, RefusesWhatIsNotFinite) {
+  EXPECT_THROW(Emulator(MatrixXd::Zero(1, 1), VectorXd::Constant(1, std::nan("")), VectorXd::Ones(1)), Error);
+}
+
+TEST(CoordinateTest, GoesThereAndBack) {
+  const Scene scene = parse_scene(heap_scene, "scene");
+  Bundle bundle;
+  bundle.scene = scene;
+  bundle.runs.emplace_back();
+  bundle.calibrate = {"pairs.grain-wall.friction"};
+  for (const BulkCandidate& c : bulk_candidates(bundle, natural_scale(realise(scene, 1)), {}, 20))
+    for (const Parameter& p : c.parameters)
+      for (const double u : {0.0, 0.1, 0.5, 0.9, 1.0}) EXPECT_NEAR(coordinate_of(p, value_at(p, u)), u, 1e-9) << p.key;
+}
+
+TEST(CoordinateTest, NoCohesionLiesAtTheLowerEnd) {
+  Bundle bundle;
+  bundle.scene = parse_scene(heap_scene, "scene");
+  bundle.runs.emplace_back();
+  const auto all = bulk_candidates(bundle, natural_scale(realise(bundle.scene, 1)), {"cohesion", "grain_shape"}, 8);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(null_point(all[0], VectorXd())[0], 0);
+  EXPECT_NEAR(null_point(all[1], VectorXd())[0], 0.5, 1e-12);
+}
+
+TEST(CandidateTest, RefusesAnUnknownEffectAndOneThatTheSceneHas) {
+  Bundle bundle;
+  bundle.scene = parse_scene(heap_scene, "scene");
+  bundle.runs.emplace_back();
+  const NaturalScale scale = natural_scale(realise(bundle.scene, 1));
+  EXPECT_THROW(bulk_candidates(bundle, scale, {"rolling_frction"}, 8), Error);
+  EXPECT_THROW(bulk_candidates(bundle, scale, {"friction"}, 8), Error);
+}
+
+TEST(SummaryTest, OfAConeAndASteadyStream) {
+  Observation profile;
+  profile.kind = ObservableKind::profile;
+  profile.name = "heap";
+  for (int i = 0; i <= 1000; ++i) {
+    profile.at.push_back(1e-3 * i);
+    profile.value.push_back(0.5 - 0.5e-3 * i);
+  }
+  Observation flow;
+  flow.kind = ObservableKind::series;
+  flow.name = "discharged_mass";
+  for (int i = 0; i <= 100; ++i) {
+    flow.time.push_back(0.01 * i);
+    flow.value.push_back(std::clamp(2 * (0.01 * i - 0.2), 0.0, 1.0));
+  }
+  const std::vector<Observation> all{profile, flow};
+  const auto value = [&](const std::string& name) {
+    for (const BulkSummary& s : summaries_of(all))
+      if (s.name == name) return value_of(s, all);
+    return std::nan("");
+  };
+  EXPECT_NEAR(value("heap_slope"), std::atan(0.5) * 180 / std::numbers::pi, 1e-9);
+  EXPECT_NEAR(value("heap_volume"), std::numbers::pi / 3 * 0.5, 1e-5);
+  EXPECT_NEAR(value("heap_concavity"), 0, 1e-9);
+  EXPECT_NEAR(value("heap_apex"), 0.5 * (1 - 2.0 / 9), 1e-3);
+  EXPECT_NEAR(value("discharge_rate"), 2, 1e-9);
+  EXPECT_NEAR(value("discharge_delay"), 0.25, 1e-9);
+  EXPECT_NEAR(value("poured_mass"), 1, 1e-12);
+}
+
+TEST(SummaryTest, ThreeAreChosenOnePerObservableFirst) {
+  const auto three = three_of(summaries_of(stand_in_pour(parse_yaml(heap_scene, "scene"), 1)));
+  ASSERT_EQ(three.size(), 3u);
+  EXPECT_EQ(three[0].name, "angle_of_repose");
+  EXPECT_EQ(three[1].name, "discharge_rate");
+  EXPECT_EQ(three[2].name, "heap_apex");
+}
+
+TEST(PosteriorTest, OfALineIsNormal) {
+  BulkData data;
+  data.summaries.resize(1);
+  data.extra = VectorXd::Zero(1);
+  data.settings.resize(1);
+  data.settings[0].train = MatrixXd(4, 1);
+  data.settings[0].train << 4.9, 5.1, 5.3, 4.7;
+  data.settings[0].held = MatrixXd(0, 1);
+  const Predict line = [](const VectorXd& u) { return BulkPrediction{{VectorXd::Constant(1, 10 * u[0])}, {VectorXd::Zero(1)}}; };
+  const BulkPosterior p = posterior_of(data, line, MatrixXd::Constant(1, 1, 0.64), 1);
+  EXPECT_NEAR(p.best[0], 0.5, 0.002);
+  EXPECT_NEAR(p.sd(0), 0.04, 0.001);
+  EXPECT_NEAR(p.quantile(0, 0.95) - p.quantile(0, 0.05), 2 * 1.645 * 0.04, 0.005);
+}
+
+}  // namespace
+}  // namespace repose::diagnosis
