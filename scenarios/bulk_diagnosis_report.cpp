@@ -19,7 +19,8 @@ Table ranking(const json& found) {
   Table table{"Candidates", {"explanation", "coefficients", "probability", "held-out log likelihood [nats]", "chi² per number, fitted runs"}, {}, {}};
   for (const json& r : found["ranked"]) {
     std::string values;
-    for (const auto& [name, p] : r.value("parameters", json::object()).items())
+    const json parameters = r.value("parameters", json::object());
+    for (const auto& [name, p] : parameters.items())
       values += fmt::format("{}{} = {:.3g} ({:.3g} to {:.3g}) {}", values.empty() ? "" : "; ", name, p["value"].get<double>(), p["lower"].get<double>(), p["upper"].get<double>(),
                             p["unit"].get<std::string>() == "1" ? "" : p["unit"].get<std::string>());
     const std::string name = r["effects"].empty() ? "nothing missing" : r.value("where_it_acts", r["effects"].front().get<std::string>());

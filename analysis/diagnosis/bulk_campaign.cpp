@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/diagnosis/bulk_sampling.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
 
@@ -48,9 +49,13 @@ void BulkCampaign::simulate(const std::string& stage, const std::vector<Wanted>&
     point.at = w.at;
     point.outcomes.resize(data_.settings.size());
     for (int i = 0; i < w.seeds; ++i)
-      for (auto& outcomes : point.outcomes) {
-        failures_ += !answer->failure.empty();
-        outcomes.push_back(*answer++);
+      for (std::size_t s = 0; s < data_.settings.size(); ++s) {
+        const BulkSetting& setting = data_.settings[s];
+        const std::size_t like = setting.train_runs.empty() ? setting.held_runs.front() : setting.train_runs.front();
+        BulkOutcome outcome = *answer++;
+        failures_ += !outcome.failure.empty();
+        outcome.observations = sampled_like(std::move(outcome.observations), bundle_.runs[like].observations);
+        point.outcomes[s].push_back(std::move(outcome));
       }
     for (const auto& outcomes : point.outcomes) point.rows.push_back(rows_of(outcomes, data_.summaries));
     w.model->design.push_back(std::move(point));

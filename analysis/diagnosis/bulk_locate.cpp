@@ -20,7 +20,7 @@ const Observation* find(const std::vector<Observation>& all, const Observation& 
   return nullptr;
 }
 
-/// Mean of the finite values whose places lie in [from, to]; a simulated curve is sampled elsewhere than the recorded one.
+/// Mean of the finite values whose places lie in [from, to].
 double mean_within(const Observation& o, double from, double to) {
   const std::vector<double>& at = o.kind == ObservableKind::series ? o.time : o.at;
   double sum = 0, n = 0;
@@ -29,9 +29,7 @@ double mean_within(const Observation& o, double from, double to) {
       sum += o.value[i];
       ++n;
     }
-  if (n > 0) return sum / n;
-  // A curve that ended early keeps its last value.
-  return !at.empty() && o.kind == ObservableKind::series && from > at.back() ? o.value.back() : nan;
+  return n > 0 ? sum / n : nan;
 }
 
 /// The stretch in which the series of the first simulated run changes.

@@ -17,7 +17,7 @@ struct BulkLocated {
   double p = 1;                       ///< Welch's t test, corrected for all parts (Holm)
 };
 
-/// `recorded`, `simulated`: observations of replicates. Profiles are parted by radius, series by the time between 2 % and 98 % of the rise of
+/// `recorded`, `simulated`: observations of replicates, sampled alike (bulk_sampling.hpp). Profiles are parted by radius, series by the time between 2 % and 98 % of the rise of
 /// the simulated mean (the whole time if it does not rise); scalars stand whole. Sorted by p. Fewer than two recorded runs: none can be
 /// tested, p = 1.
 std::vector<BulkLocated> locate_bulk(const std::vector<std::vector<Observation>>& recorded, const std::vector<std::vector<Observation>>& simulated);

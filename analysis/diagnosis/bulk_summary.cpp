@@ -110,6 +110,8 @@ double of_series(const std::string& name, const Observation& o) {
 }  // namespace
 
 std::vector<BulkSummary> summaries_of(const std::vector<Observation>& observations) {
+  // The slope of a profile is a heap's angle, where nobody read one from its sides.
+  const bool has_angle = std::any_of(observations.begin(), observations.end(), [](const Observation& o) { return o.name == "angle_of_repose"; });
   std::vector<std::pair<int, BulkSummary>> found;
   const auto add = [&](int rank, BulkSummary s) {
     for (const auto& [_, other] : found)
@@ -127,7 +129,7 @@ std::vector<BulkSummary> summaries_of(const std::vector<Observation>& observatio
     if (o.kind == ObservableKind::profile && o.name == "heap") {
       add(2, {"heap_apex", o.name, "heap", "m"});
       add(3, {"heap_volume", o.name, "heap", "m^3"});
-      add(4, {"heap_slope", o.name, "heap", "deg"});
+      add(has_angle ? 4 : 0, {"heap_slope", o.name, "heap", "deg"});
       add(5, {"heap_concavity", o.name, "heap", "deg"});
     }
     if (o.kind == ObservableKind::series && o.name == "mass_on_base") add(8, {"load_on_base", o.name, "heap", o.unit});

@@ -22,7 +22,7 @@ struct BulkSummary {
 ///   discharge_rate           slope of the mass through the outlet between 20 % and 80 % of it
 ///   heap_apex                mean height within the inner third of the profile, by area [m]
 ///   heap_volume              2 pi int r h dr [m^3]
-///   heap_slope               of the line through 20 % to 80 % of the profile's reach, downwards [deg]
+///   heap_slope               of the line through 20 % to 80 % of the profile's reach, downwards [deg]; in front without an angle
 ///   heap_concavity           slope of the inner half of that stretch minus that of the outer half [deg]
 ///   discharge_delay          when a tenth of the mass is through [s]
 ///   poured_mass              through the outlet in the end

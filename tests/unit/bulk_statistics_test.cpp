@@ -9,6 +9,7 @@
 #include "analysis/diagnosis/bulk_candidate.hpp"
 #include "analysis/diagnosis/bulk_emulator.hpp"
 #include "analysis/diagnosis/bulk_posterior.hpp"
+#include "analysis/diagnosis/bulk_sampling.hpp"
 #include "analysis/diagnosis/bulk_statistics.hpp"
 #include "analysis/diagnosis/bulk_summary.hpp"
 #include "core/error.hpp"
@@ -220,6 +221,19 @@ TEST(SummaryTest, ThreeAreChosenOnePerObservableFirst) {
   EXPECT_EQ(three[0].name, "angle_of_repose");
   EXPECT_EQ(three[1].name, "discharge_rate");
   EXPECT_EQ(three[2].name, "heap_apex");
+}
+
+TEST(SamplingTest, ASimulationIsReadAtTheRecordedTimes) {
+  Observation made, taken;
+  made.kind = taken.kind = ObservableKind::series;
+  made.name = taken.name = "discharged_mass";
+  made.time = {0, 1, 2};
+  made.value = {0, 10, 20};
+  taken.time = {-1, 0.5, 1.25, 1.5, 3};
+  taken.value = {0, 0, std::nan(""), 0, 0};
+  const Observation seen = sampled_like({made}, {taken}).front();
+  EXPECT_EQ(seen.time, (std::vector<double>{-1, 0.5, 1.5, 3}));
+  EXPECT_EQ(seen.value, (std::vector<double>{0, 5, 15, 20}));
 }
 
 TEST(PosteriorTest, OfALineIsNormal) {

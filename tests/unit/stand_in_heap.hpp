@@ -59,7 +59,7 @@ inline std::vector<Observation> stand_in_pour(const YamlNode& scene, std::uint64
                weight = number_at(scene, "pairs.grain-grain.cohesion", 0) / 1e-9;
   Random random(seed, 3);
   const double elongation = std::log(aspect);
-  const double steeper = 12 * (1 - std::exp(-rho / 0.08)) + 8 * elongation + 4 * std::log1p(weight);
+  const double steeper = 12 * (1 - std::exp(-rho / 0.08)) + 14 * elongation + 4 * std::log1p(weight);
   Observation angle;
   angle.kind = ObservableKind::scalar;
   angle.name = "angle_of_repose";
