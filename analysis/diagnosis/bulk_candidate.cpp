@@ -176,7 +176,7 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   for (const std::string& name : wanted)
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       const Suggestion suggestion = suggest("the library has no effect", name, known);
-      throw Error("--effects", suggestion.problem, suggestion.remedy);
+      throw Error("--candidates", suggestion.problem, suggestion.remedy);
     }
   const BulkCandidate nominal = nominal_candidate(bundle, scale);
   std::vector<BulkCandidate> result;
@@ -196,7 +196,7 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   }
   for (const std::string& name : wanted)
     if (std::find(taken.begin(), taken.end(), name) == taken.end())
-      throw Error("--effects " + name, "the scene has it already, or cannot take it", "leave it out, or remove the key from the nominal scene");
+      throw Error("--candidates " + name, "the scene has it already, or cannot take it", "leave it out, or remove the key from the nominal scene");
   return result;
 }
 

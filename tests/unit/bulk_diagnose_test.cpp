@@ -64,28 +64,6 @@ TEST(BulkDiagnosisTest, TheSlowerFlowTellsElongationFromRolling) {
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "grain_shape");
 }
 
-TEST(BulkDiagnosisTest, APairThatActsAlikeIsOneClass) {
-  const StandIn alike{.shape_slows_flow = false};
-  // Without the flow, rolling friction and elongation steepen and raise a heap in the same way.
-  Bundle bundle = recorded_heaps(12, 500, rolling, alike);
-  keep(bundle, {"angle_of_repose", "heap"});
-  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(alike), with({"rolling_friction", "grain_shape"}));
-  EXPECT_EQ(d.verdict.word, "ambiguous");
-  ASSERT_EQ(d.verdict.indistinguishable.size(), 1u);
-  EXPECT_TRUE(holds(d.verdict.indistinguishable.front(), "rolling_friction"));
-  EXPECT_TRUE(holds(d.verdict.indistinguishable.front(), "grain_shape"));
-}
-
-TEST(BulkDiagnosisTest, SuggestsTheObservableThatTells) {
-  Bundle bundle = recorded_heaps(12, 500, rolling);
-  keep(bundle, {"angle_of_repose", "heap"});
-  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction", "grain_shape"}));
-  EXPECT_EQ(d.verdict.word, "ambiguous");
-  ASSERT_FALSE(d.suggested.empty());
-  EXPECT_NE(d.suggested.front().what.find("discharged_mass"), std::string::npos) << d.suggested.front().what;
-  EXPECT_GT(d.suggested.front().power, 0.9);
-}
-
 TEST(BulkDiagnosisTest, OneNumberHasManyExplanations) {
   Bundle bundle = recorded_heaps(1, 1, {});
   keep(bundle, {"angle_of_repose"});

@@ -47,7 +47,6 @@ inline double number_at(const YamlNode& tree, const std::string& path, double ot
 
 /// What the stand-in does beside its laws; `recorded` things are true of a recording and unknown to the scene.
 struct StandIn {
-  bool shape_slows_flow = true;  ///< false: elongation acts as rolling friction does, in everything
   double hidden_flow = 0;        ///< [share] of the discharge, beyond any effect
   double length_factor = 1;      ///< of the recorded profile
 };
@@ -59,7 +58,7 @@ inline std::vector<Observation> stand_in_pour(const YamlNode& scene, std::uint64
                weight = number_at(scene, "pairs.grain-grain.cohesion", 0) / 1e-9;
   Random random(seed, 3);
   const double elongation = std::log(aspect);
-  const double steeper = 12 * (1 - std::exp(-rho / 0.08)) + 14 * elongation + 4 * std::log1p(weight);
+  const double steeper = 12 * (1 - std::exp(-rho / 0.08)) + 8 * elongation + 4 * std::log1p(weight);
   Observation angle;
   angle.kind = ObservableKind::scalar;
   angle.name = "angle_of_repose";
@@ -79,7 +78,7 @@ inline std::vector<Observation> stand_in_pour(const YamlNode& scene, std::uint64
   flow.name = "discharged_mass";
   flow.unit = "kg";
   double rate = 1e-5 * (1 - 0.3 * rho - 0.1 * std::log1p(weight) + 0.02 * normal(random)) * (1 + how.hidden_flow);
-  if (how.shape_slows_flow) rate *= 1 - 0.4 * elongation;
+  rate *= 1 - 0.4 * elongation;
   for (int i = 0; i <= 200; ++i) {
     flow.time.push_back(5e-4 * i);
     flow.value.push_back(std::clamp(rate * (flow.time.back() - 0.012), 0.0, 4e-7));
