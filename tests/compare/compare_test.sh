@@ -64,7 +64,7 @@ holds "$work/heap/report.html" 'chart-data'
 [ "$(ls "$work/heap/jobs" | wc -l)" = 24 ] || fail 'not 24 runs: 2 backends, 3 refinements, 4 seeds'
 
 # Each seed makes its own grains, here of a mean size that makes four rings or five of them: all films have the same cells.
-expect 0 "$heap" --out "$work/cells" --quiet --backends dvi,bullet --seeds 6 --no-refine --set tools.base.diameter=0.483e-3 --set duration=0.003
+expect 0 "$heap" --out "$work/cells" --quiet --backends dvi,bullet --seeds 6 --no-refine --set tools.base.diameter=0.5e-3 --set duration=0.003
 
 # The same backend twice: the same numbers, but for the clock.
 expect 0 "$heap" --out "$work/twice" --quiet --backends dvi,dvi --seeds 2 --no-refine
