@@ -78,7 +78,7 @@ void add_walls(const YamlReader& reader, Scene& scene) {
   std::sort(scene.tools.begin(), scene.tools.end(), [](const Tool& a, const Tool& b) { return a.name < b.name; });
 }
 
-void read_sides(const YamlReader& reader, Scene& scene) {
+void read_sides(const YamlReader& reader, const LayerSetup& layer, Scene& scene) {
   if (reader.at("kind").choice({"periodic", "walls"}) == 1) {
     reader.only({"kind", "material", "x", "y", "z"});
     add_walls(reader, scene);
@@ -86,6 +86,8 @@ void read_sides(const YamlReader& reader, Scene& scene) {
   }
   reader.only({"kind", "y"});
   const Vec2 y = read_span(reader.at("y"));
+  if (layer.lower.y() < y.x() || layer.upper.y() > y.y())
+    reader.at("y").fail("the region reaches beyond these sides: the same powder would count twice", "make `layer.region` as wide as the sides, or narrower");
   scene.periodic.lower.y() = y.x();
   scene.periodic.upper.y() = y.y();
 }
@@ -122,7 +124,7 @@ void read_layer(const YamlReader& block, Scene& scene) {
   block.require("settle_time_step", layer.settle_time_step, positive(dimension::time));
   read_region(block.at("region"), layer);
   read_surface(block.at("surface"), layer);
-  if (block.has("sides")) read_sides(block.at("sides"), scene);
+  if (block.has("sides")) read_sides(block.at("sides"), layer, scene);
   scene.layer = layer;
 }
 

@@ -236,6 +236,7 @@ TEST(SceneYaml, SidesOfALayerArePeriodicOrWalls) {
   EXPECT_THROW(layer("{kind: periodic, y: [-1 mm, 2 mm]}", "periodic: {y: [0, 1]}\n"), Error);
   EXPECT_THROW(layer("{kind: periodic, y: [2 mm, -1 mm]}"), Error);
   EXPECT_THROW(layer("{kind: periodic, material: a, y: [-1 mm, 2 mm]}"), Error);
+  EXPECT_THROW(layer("{kind: periodic, y: [0.1 mm, 2 mm]}"), Error);  // narrower than the region
   const Scene walls = layer("{kind: walls, material: a, x: [0, 1 mm], y: [0, 1 mm], z: [0, 1 mm]}");
   EXPECT_FALSE(walls.periodic.any());
   EXPECT_EQ(walls.tools.size(), 3U);

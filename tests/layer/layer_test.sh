@@ -1,0 +1,51 @@
+#!/bin/sh
+# repose layer as a user calls it.
+#
+#   layer_test.sh REPOSE_LAYER SOURCE_TREE WORK_DIR
+set -eu
+layer=$1 source=$2 work=$3
+bed=$source/tests/layer/bed.yaml
+export OMP_WAIT_POLICY=passive
+rm -rf -- "$work"
+mkdir -p -- "$work"
+
+fail() {
+  printf 'FAILED: %s\n' "$*" >&2
+  tail -n 20 -- "$work/log" >&2
+  exit 1
+}
+# expect STATUS ARGUMENTS...: the command with its output in $work/log.
+expect() {
+  wanted=$1
+  shift
+  status=0
+  timeout 400 "$layer" "$@" --beds "$work/beds" >"$work/log" 2>&1 </dev/null || status=$?
+  [ "$status" = "$wanted" ] || fail "exit status $status instead of $wanted: $*"
+}
+says() { grep -qF -- "$1" "$work/log" || fail "no word of \"$1\""; }
+
+# Wrong scenes: place and remedy, before anything settles.
+expect 2 "$source/scenarios/configs/block_on_incline.yaml" --out "$work/bad"
+says 'no `layer` block'
+expect 2 "$bed" --out "$work/bad" --set 'layer.sides.y=[-0.1 mm, 0.1 mm]'
+says 'the region reaches beyond these sides'
+expect 2 "$bed" --out "$work/bad" --set layer.sides.kind=cyclic
+says 'periodic'
+expect 2 "$bed" --out "$work/bad" --set layer.spreader=roler
+says 'roller'
+[ ! -e "$work/bad/result.json" ] || fail 'a refused layer has a result'
+[ ! -e "$work/beds" ] || fail 'a refused layer has a bed'
+
+# A bed is made, and all files are there.
+expect 0 "$bed" --out "$work/one" --quiet --threads 1
+says 'settled now'
+for file in result.json run.h5 surface.vdb surface.png report.html; do [ -s "$work/one/$file" ] || fail "no $file"; done
+for key in before after Sa Sq Sp Sv Sz Ssk Sku packing_fraction roller force torque; do
+  grep -q "\"$key\"" "$work/one/result.json" || fail "the result lacks $key"
+done
+
+# It is used again, and two threads give the same bytes.
+expect 0 "$bed" --out "$work/two" --quiet --threads 2
+says 'reused'
+cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'another number of threads, another run.h5'
+cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'another number of threads, another surface'
