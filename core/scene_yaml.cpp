@@ -80,10 +80,15 @@ void check_record(const YamlReader& block) {
 Scene parse_scene(const std::string& text, const std::string& name, const std::vector<Override>& overrides,
                   const std::filesystem::path& folder) {
   YamlNode tree = parse_yaml(text, name);
+  if (tree.kind == YamlNode::Kind::map)
+    for (const Override& change : overrides) set_path(tree, change.path, change.value);
+  return read_scene(std::move(tree), name, folder);
+}
+
+Scene read_scene(YamlNode tree, const std::string& name, const std::filesystem::path& folder) {
   if (tree.kind != YamlNode::Kind::map)
     throw Error(name, fmt::format("is {}; a scene is a map", describe(tree)),
                 "write blocks such as `materials:`, `pairs:`, `bodies:`, `duration:`");
-  for (const Override& change : overrides) set_path(tree, change.path, change.value);
   inline_proportions(tree, name, folder);
 
   const YamlReader root(tree, name);

@@ -9,6 +9,8 @@
 
 namespace repose {
 
+struct YamlNode;
+
 /// `--set key.path=value`: replaces one key of the scene before it is read. Values are YAML.
 struct Override {
   std::string path, value;
@@ -19,5 +21,8 @@ Scene load_scene(const std::filesystem::path& file, const std::vector<Override>&
 /// As above from text; `name` stands for the file name in messages, `folder` is where relative file names start.
 Scene parse_scene(const std::string& text, const std::string& name, const std::vector<Override>& overrides = {},
                   const std::filesystem::path& folder = ".");
+
+/// As above from a tree that has been parsed already.
+Scene read_scene(YamlNode tree, const std::string& name, const std::filesystem::path& folder = ".");
 
 }  // namespace repose

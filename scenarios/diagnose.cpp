@@ -32,7 +32,7 @@ using namespace repose;
 struct Own {
   std::string root;
   std::vector<std::string> candidates;
-  int runs = 8, held_out = 8, replicas = 499;
+  int runs = 8, held_out = 8, replicas = 499, bootstrap = 0;
 };
 
 /// As the report shows them.
@@ -131,6 +131,12 @@ int run(const Options& options, const Own& own) {
   how.max_held_out_runs = own.held_out;
   how.replicas = own.replicas;
   how.candidates = own.candidates;
+  how.bootstrap = own.bootstrap;
+  // Simulations are kept for the next diagnosis by the same build; a build with uncommitted changes has no name.
+  const std::string build = commit();
+  const bool named = build != "unknown" && !build.ends_with("-dirty");
+  diagnosis::SimulationStore store(named ? options.out / "simulations.cache" : "", fmt::format("{} {} {}", options.backend, version(), build));
+  how.store = &store;
   how.interrupted = interrupted;
   const auto begun = std::chrono::steady_clock::now();
   DiagnosisProgress progress;
@@ -146,6 +152,7 @@ int run(const Options& options, const Own& own) {
   };
   const diagnosis::Diagnosis found = diagnosis::diagnose(bundle, counted, how);
 
+  store.save();
   return finish(options, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own)), !found.interrupted, seconds_since(begun),
                 simulations, display);
 }
@@ -170,6 +177,9 @@ int main(int argc, char** argv) {
         ->type_name("NAMES")
         ->delimiter(',')
         ->check(known_effect());
+    app.add_option("--bootstrap", own.bootstrap, "so many recordings are simulated from the nominal fit and diagnosed anew, for its lack of fit (default 0: noise alone)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 100000));
     app.add_option("--replicas", own.replicas, "of noise, for p values (default 499)")->type_name("N")->check(CLI::Range(99, 100000));
   });
 }

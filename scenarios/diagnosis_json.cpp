@@ -15,8 +15,10 @@ using namespace diagnosis;
 
 json parameters_json(const FittedHypothesis& model, const std::string& effect) {
   json list = json::object();
-  for (const ParameterEstimate& p : parameters_of(model, effect))
+  for (const ParameterEstimate& p : parameters_of(model, effect)) {
     list[p.name] = {{"value", p.value}, {"lower", p.lower}, {"upper", p.upper}, {"unit", p.unit}};
+    if (p.over_runs) list[p.name]["over_runs"] = {{"lower", p.over_runs->lower}, {"upper", p.over_runs->upper}};
+  }
   return list;
 }
 
@@ -99,7 +101,7 @@ json diagnosis_json(const Diagnosis& d) {
     result["depends_on"].push_back({{"variable", s.variable}, {"explained", s.explained}, {"curve", s.curve}});
   json calibrated = json::object();
   for (const ParameterEstimate& p : nominal.parameters) calibrated[p.name] = {{"value", p.value}, {"lower", p.lower}, {"upper", p.upper}};
-  result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", d.replicas}};
+  result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", d.replicas}, {"null", d.bootstrapped ? "bootstrap" : "noise"}};
   result["fit"]["train"] = {{"runs", run_names(d, nominal.train)}, {"nominal", score_json(d, nominal, false)}, {"extended", score_json(d, best, false)}};
   const bool held = has_held_out(d);
   result["fit"]["heldout"] = {{"runs", held ? run_names(d, nominal.held_out) : json::array()},

@@ -45,7 +45,9 @@ double separation(const Problem& problem, const Fit& first, const Fit& second, c
       a.own[run][k] = b.own[run][k] = change.factor * first.own[run][k];
       applies = true;
     }
-    Eigen::VectorXd d = residual_of(problem, a, run) - residual_of(problem, b, run);
+    const Eigen::VectorXd of_a = residual_of(problem, a, run), of_b = residual_of(problem, b, run);
+    if (of_a.size() == 0 || of_b.size() == 0) continue;
+    Eigen::VectorXd d = of_a - of_b;
     const RunJacobian j = jacobian(problem, a, run);
     if (j.own.cols() > 0) d -= j.own * j.own.colPivHouseholderQr().solve(d);
     lambda += std::min(d.squaredNorm(), 1e6);

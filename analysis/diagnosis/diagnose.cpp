@@ -4,108 +4,51 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
-#include <numeric>
-#include <optional>
-#include <thread>
 
+#include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/combination.hpp"
+#include "analysis/diagnosis/split.hpp"
 #include "core/error.hpp"
-#include "core/random.hpp"
 
 namespace repose::diagnosis {
 namespace {
 
-constexpr int profile_points = 10;
-constexpr double ninety = 1.645;            // standard errors of a 90 % interval
-constexpr double gains_to_matter = 1e-3;    // of chi^2, absolute: below it two fits are the same
-
-struct Split {
-  std::vector<std::size_t> train, held;
-};
-
-/// At most `limit` of the list, evenly spread.
-std::vector<std::size_t> thinned(const std::vector<std::size_t>& list, int limit) {
-  const auto n = static_cast<std::size_t>(limit);
-  if (list.size() <= n) return list;
-  std::vector<std::size_t> result;
-  for (std::size_t i = 0; i < n; ++i) result.push_back(list[i * list.size() / n]);
-  return result;
-}
-
-Split split_runs(const Bundle& bundle, const DiagnoseOptions& options, std::vector<std::string>& notes) {
-  Split split;
-  if (bundle.split_given) {
-    for (std::size_t i = 0; i < bundle.runs.size(); ++i) (bundle.runs[i].held_out ? split.held : split.train).push_back(i);
-    if (split.train.empty()) throw Error("runs", "all runs are held out: nothing is left to fit", "let some runs have `held_out: false`");
-  } else {
-    std::vector<std::size_t> order(bundle.runs.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    Random random(options.seed, 5);
-    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
-    const std::size_t held = order.size() < 2 ? 0 : std::max<std::size_t>(1, order.size() / 3);
-    split.held.assign(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(held));
-    split.train.assign(order.begin() + static_cast<std::ptrdiff_t>(held), order.end());
-    std::sort(split.held.begin(), split.held.end());
-    std::sort(split.train.begin(), split.train.end());
-    notes.push_back(fmt::format("No run says whether it is held out: {} of {} were, chosen by seed {}.", held, order.size(), options.seed));
-  }
-  const Split used{thinned(split.train, options.max_train_runs), thinned(split.held, options.max_held_out_runs)};
-  if (used.train.size() < split.train.size() || used.held.size() < split.held.size())
-    notes.push_back(fmt::format("Used {} of {} runs for fitting and {} of {} held-out ones, evenly spread over the list.", used.train.size(),
-                                split.train.size(), used.held.size(), split.held.size()));
-  if (used.held.empty()) notes.push_back("Nothing is held out: candidates are weighed on the data that they were fitted to, less what their parameters cost.");
-  return used;
-}
-
-/// Calls task(i) for all i on some threads; the first exception is thrown again.
-void side_by_side(std::size_t count, int threads, const std::function<void(std::size_t)>& task) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex mutex;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) try {
-        task(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-        next = count;
-      }
-  };
-  std::vector<std::jthread> crew;
-  for (int t = 1; t < threads; ++t) crew.emplace_back(work);
-  work();
-  crew.clear();
-  if (failure) std::rethrow_exception(failure);
-}
+constexpr int shown_runs = 6;  // in the report
 
 class Diagnosing {
  public:
   Diagnosing(const Bundle& bundle, const Simulate& simulate, const DiagnoseOptions& options)
-      : options_(options), split_(split_runs(bundle, options, result_.notes)), problem_(bundle, all_runs(), simulate) {
+      : options_(options),
+        simulate_(simulate),
+        split_(split_runs(bundle, options.max_train_runs, options.max_held_out_runs, options.seed, result_.notes)),
+        problem_(bundle, all_runs(), simulate, options.store) {
     for (std::size_t i = 0; i < problem_.runs().size(); ++i) {
       (i < split_.train.size() ? train_ : held_).push_back(i);
       result_.run_ids.push_back(problem_.runs()[i].run->id);
     }
     result_.train_runs = train_.size();
     result_.noise = problem_.noise();
-    result_.replicas = options.replicas;
     fit_options_.threads = options.threads;
     fit_options_.interrupted = options.interrupted;
     note_horizons(bundle);
   }
 
   Diagnosis run() {
-    calibrate();
-    screen_candidates();
-    if (!stopped()) fit_candidates();
-    if (!stopped()) fit_pairs();
-    if (!stopped()) try_numerics();
-    guard_nominal();
-    finish();
+    demand_runnable();
+    SearchOptions how;
+    how.threads = options_.threads;
+    how.seed = options_.seed;
+    how.replicas = options_.replicas;
+    how.joint_fits = options_.joint_fits;
+    how.candidates = options_.candidates;
+    how.progress = options_.progress;
+    how.interrupted = options_.interrupted;
+    Search search(problem_, train_, how);
+    search.run();
+    take(search);
+    if (options_.bootstrap > 0 && !result_.interrupted) repeat_nominal(how);
+    finish(search);
     return std::move(result_);
   }
 
@@ -116,18 +59,12 @@ class Diagnosing {
     return all;
   }
 
-  bool stopped() {
-    if (options_.interrupted && options_.interrupted()) result_.interrupted = true;
-    return result_.interrupted;
-  }
-
   void tell(const std::string& stage, double done, double total) const {
     if (options_.progress) options_.progress(stage, done, total);
   }
 
   void note_horizons(const Bundle& bundle) {
-    for (std::size_t i = 0; i < problem_.runs().size(); ++i) {
-      const RunData& data = problem_.runs()[i];
+    for (const RunData& data : problem_.runs()) {
       double end = 0;
       for (const Observation& o : data.run->observations)
         if (!o.time.empty()) end = std::max(end, o.time.back());
@@ -138,169 +75,51 @@ class Diagnosing {
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
   }
 
-  /// Step 2: from several starts of every constant that nobody measured.
-  void calibrate() {
-    const Layout layout = problem_.layout({});
-    Fit best = minimise(problem_, start_of(problem_, layout, train_), fit_options_);
-    for (std::size_t i = 0; i < layout.shared.size() && !stopped(); ++i)
-      for (const double share : {0.05, 0.2, 0.6}) {
-        tell("calibrating the nominal scene", static_cast<double>(i), static_cast<double>(layout.shared.size()));
-        Fit start = best;
-        const Parameter& p = layout.shared[i];
-        start.shared[static_cast<Eigen::Index>(i)] = p.lower + share * (std::min(p.upper, p.lower + 10 * std::max(1.0, std::abs(p.start))) - p.lower);
-        const Fit other = minimise(problem_, start, fit_options_);
-        if (other.chi2 < best.chi2 - gains_to_matter) best = other;  // a constant that does nothing stays where it was
-      }
-    result_.models.clear();
-    result_.models.emplace_back();
-    result_.models.back().fit = best;
-    nominal_.emplace(problem_, best);
-  }
-
-  const Fit& nominal_fit() const { return result_.models.front().fit; }
-
-  /// Steps 4 to 7: what each effect could explain at first order; where an unknown force would help.
-  void screen_candidates() {
-    std::vector<Term> terms = possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale());
-    if (const auto& only = options_.candidates; !only.empty())
-      std::erase_if(terms, [&](const Term& term) { return std::find(only.begin(), only.end(), term.row->name) == only.end(); });
-    result_.screened = screen_about(nominal_fit(), *nominal_, terms, "screening candidates");
-    screen_null_ = null_of(result_.screened, *nominal_);
-    double largest = 0;
-    for (const Screened& s : result_.screened) largest = std::max(largest, s.gain);
-    const double p_screen = screen_null_.p(largest);
-    tell("locating the mismatch", 0, 1);
-    result_.where = locate(problem_, nominal_fit(), *nominal_, 4, options_.replicas, options_.seed);
-    result_.depends_on = dependence_of(result_.where);
-    const double p_where = result_.where.empty() ? 1 : result_.where.front().p;
-    result_.lack_of_fit_p = std::min(1.0, 2 * std::min(p_screen, p_where));
-  }
-
-  std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms, const std::string& stage) {
-    std::vector<Screened> screened(terms.size());
-    std::atomic<int> done{0};
-    std::mutex mutex;
-    side_by_side(terms.size(), options_.threads, [&](std::size_t i) {
-      screened[i] = screen(problem_, fit, nuisance, terms[i], profile_points);
-      const std::lock_guard lock(mutex);
-      tell(stage, ++done, static_cast<double>(terms.size()));
-    });
-    std::stable_sort(screened.begin(), screened.end(), [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
-    return screened;
-  }
-
-  NullDistribution null_of(const std::vector<Screened>& screened, const Nuisance& nuisance) const {
-    std::vector<Eigen::MatrixXd> bases;
-    for (const Screened& s : screened) bases.push_back(s.basis);
-    return largest_gains(bases, nuisance.size(), options_.replicas, options_.seed);
-  }
-
-  /// The fit of `base` with one term more, from the screened start and from nothing: never worse than `base` (step 3).
-  FittedHypothesis extended(const Fit& base, const Screened& screened) {
-    FittedHypothesis model;
-    model.hypothesis = base.layout.hypothesis;
-    model.hypothesis.terms.push_back(screened.term);
-    const Layout layout = problem_.layout(model.hypothesis);
-    const auto begin = [&](bool at_screened) {
-      Fit start = start_of(problem_, layout, train_);
-      start.shared.head(base.shared.size()) = base.shared;
-      for (std::size_t i = 0; at_screened && i < screened.shared_start.size(); ++i)
-        start.shared[base.shared.size() + static_cast<Eigen::Index>(i)] = screened.shared_start[i];
-      for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run].head(base.own[run].size()) = base.own[run];
-      return minimise(problem_, start, fit_options_);
-    };
-    model.fit = begin(true);
-    if (model.fit.chi2 > base.chi2 - gains_to_matter) {
-      const Fit other = begin(false);
-      if (other.chi2 < model.fit.chi2) model.fit = other;
-    }
-    return model;
-  }
-
-  void fit_candidates() {
-    const auto count = std::min<std::size_t>(result_.screened.size(), static_cast<std::size_t>(options_.joint_fits));
-    for (std::size_t i = 0; i < count && !stopped(); ++i) {
-      const Screened& s = result_.screened[i];
-      if (!(s.gain > 0)) continue;
-      tell("fitting candidates: " + s.term.row->name, static_cast<double>(i), static_cast<double>(count));
-      result_.models.push_back(extended(nominal_fit(), s));
+  /// A nominal scene that cannot be run is for the user to mend: the reason is thrown.
+  void demand_runnable() const {
+    const Fit start = start_of(problem_, problem_.layout({}), all_indices());
+    for (const std::size_t run : start.runs) {
+      if (start.residual[run].size() > 0 || (options_.interrupted && options_.interrupted())) continue;
+      problem_.history(start.layout, run, start.shared, start.own[run]);
+      throw Error("run " + problem_.runs()[run].run->id, "its simulation gives no finite numbers to compare",
+                  "look at the scene with `repose run`", Error::Kind::simulation);
     }
   }
 
-  /// Greedy second terms, only where what the best single leaves is more than noise.
-  void fit_pairs() {
-    const std::size_t best = best_by_gain();
-    if (best == 0 || result_.lack_of_fit_p > level) return;
-    const Fit base = result_.models[best].fit;
-    const Nuisance left(problem_, base);
-    std::vector<Term> terms;
-    for (const Screened& s : result_.screened)
-      if (s.term.row != base.layout.hypothesis.terms.front().row) terms.push_back(s.term);
-    const std::vector<Screened> second = screen_about(base, left, terms, "screening a second effect");
-    if (second.empty()) return;
-    const double p_screen = null_of(second, left).p(second.front().gain);
-    const std::vector<Located> where = locate(problem_, base, left, 4, options_.replicas, options_.seed);
-    result_.remaining_p = std::min(1.0, 2 * std::min(p_screen, where.empty() ? 1 : where.front().p));
-    remaining_of_ = best;
-    if (p_screen > level) return;
-    for (std::size_t i = 0; i < std::min<std::size_t>(3, second.size()) && !stopped(); ++i) {
-      tell("fitting pairs: " + second[i].term.row->name, static_cast<double>(i), 3);
-      result_.models.push_back(extended(base, second[i]));
+  std::vector<std::size_t> all_indices() const {
+    std::vector<std::size_t> all = train_;
+    all.insert(all.end(), held_.begin(), held_.end());
+    return all;
+  }
+
+  void take(const Search& search) {
+    result_.interrupted = search.interrupted();
+    for (const Fit& fit : search.fits()) {
+      FittedHypothesis model;
+      model.hypothesis = fit.layout.hypothesis;
+      model.fit = fit;
+      result_.models.push_back(std::move(model));
     }
+    const LackOfFit& lack = search.lack_of_fit();
+    result_.screened = lack.screened;
+    result_.where = lack.where;
+    result_.depends_on = dependence_of(lack.where);
+    result_.lack_of_fit_p = lack.p;
+    result_.replicas = options_.replicas;
+    if (search.nominal_improved() > 0)
+      result_.notes.push_back("The nominal scene fitted better from where a candidate had ended; everything was judged anew from there.");
   }
 
-  std::size_t best_by_gain() const {
-    std::size_t best = 0;
-    const auto worth = [&](std::size_t i) {
-      const Fit& fit = result_.models[i].fit;
-      return fit.chi2 + 2 * static_cast<double>(fit.parameters);
-    };
-    for (std::size_t i = 1; i < result_.models.size(); ++i)
-      if (worth(i) < worth(best)) best = i;
-    return best;
-  }
-
-  /// Does the mismatch go away with a quarter of the step and a tenth of the tolerance?
-  void try_numerics() {
-    if (result_.lack_of_fit_p > level) return;
-    tell("a finer step", 0, 1);
-    FittedHypothesis model;
-    model.hypothesis.terms.push_back({find_effect("time_step"), ""});
-    Fit start = nominal_fit();
-    start.layout.hypothesis = model.hypothesis;
-    start.layout.step_factor = 0.25;
-    start.layout.tolerance_factor = 0.1;
-    model.fit = minimise(problem_, start, fit_options_);
-    result_.models.push_back(std::move(model));
-  }
-
-  /// Step 3, the other way: the nominal begun where each candidate ended, until nothing gains.
-  void guard_nominal() {
-    bool gained = false;
-    const Fit before = nominal_fit();
-    for (std::size_t m = 1; m < result_.models.size() && !stopped(); ++m) {
-      const Fit& other = result_.models[m].fit;
-      Fit start = before;
-      start.shared = other.shared.head(before.shared.size());
-      for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] = other.own[run].head(before.own[run].size());
-      const Fit again = minimise(problem_, start, fit_options_);
-      if (again.chi2 < nominal_fit().chi2 - gains_to_matter) {
-        result_.models.front().fit = again;
-        gained = true;
-      }
-    }
-    if (!gained || guarded_++ >= 2) return;
-    result_.notes.push_back("The nominal scene fitted better from where a candidate had ended; everything was judged anew from there.");
-    const Fit better = nominal_fit();
-    result_.models.resize(1);
-    result_.models.front().fit = better;
-    nominal_.emplace(problem_, better);
-    remaining_of_ = 0;
-    screen_candidates();
-    if (!stopped()) fit_candidates();
-    if (!stopped()) fit_pairs();
-    if (!stopped()) try_numerics();
-    guard_nominal();
+  /// Step 4 with the whole fit repeated.
+  void repeat_nominal(const SearchOptions& how) {
+    const NullDistribution null = bootstrap(problem_, result_.models.front().fit, simulate_, options_.bootstrap, how);
+    if (null.largest.empty()) return;
+    double deviate = 0;
+    for (const Screened& s : result_.screened) deviate = std::max(deviate, s.deviate);
+    for (const Located& l : result_.where) deviate = std::max(deviate, l.deviate);
+    result_.lack_of_fit_p = null.p(deviate);
+    result_.replicas = static_cast<int>(null.largest.size());
+    result_.bootstrapped = true;
   }
 
   void weigh(FittedHypothesis& model) {
@@ -319,22 +138,6 @@ class Diagnosing {
     }
   }
 
-  void estimate(FittedHypothesis& model) const {
-    const Eigen::VectorXd se = standard_errors(problem_, model.fit, model.scale);
-    for (std::size_t i = 0; i < model.fit.layout.shared.size(); ++i) {
-      const Parameter& p = model.fit.layout.shared[i];
-      const auto k = static_cast<Eigen::Index>(i);
-      ParameterEstimate e;
-      e.name = p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component);
-      e.unit = p.unit;
-      e.effect = p.effect;
-      e.value = model.fit.shared[k];
-      e.lower = std::max(p.lower, e.value - ninety * se[k]);
-      e.upper = std::min(p.upper, e.value + ninety * se[k]);
-      model.parameters.push_back(e);
-    }
-  }
-
   /// Parameters that are determined only together: said in words, for their intervals alone look like ignorance.
   void note_combinations(const FittedHypothesis& model) {
     for (const std::vector<std::size_t>& group : only_together(information_of(problem_, model.fit))) {
@@ -345,7 +148,7 @@ class Diagnosing {
     }
   }
 
-  void finish() {
+  void finish(Search& search) {
     std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
       tell("runs that were held out", static_cast<double>(i), static_cast<double>(result_.models.size()));
@@ -355,23 +158,26 @@ class Diagnosing {
       e.effects = m.hypothesis.names();
       for (const Term& term : m.hypothesis.terms) e.sites.push_back(term.row->site);
       e.held_out = m.held_out.log_likelihood;
-      e.train_gain = nominal_fit().chi2 - m.fit.chi2;
+      e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;
       e.parameters = m.extra_parameters;
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
     }
-    const std::size_t leading = best_by_gain();
+    const std::size_t leading = search.best();
     const auto excess = [&](const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); };
-    const double before = excess(nominal_fit());
+    const double before = excess(result_.models.front().fit);
     result_.explained = before > 0 ? 1 - excess(result_.models[leading].fit) / before : 0;
-    if (leading != remaining_of_) result_.remaining_p = result_.models[leading].scale > 1.2 ? 1.0 / (options_.replicas + 1) : 1;
+    result_.remaining_p = result_.lack_of_fit_p;
+    if (leading != 0 && result_.lack_of_fit_p <= level && !result_.interrupted) result_.remaining_p = search.left_by(leading).p;
     result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, result_.explained);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
     FittedHypothesis& best = result_.models[result_.best];
-    estimate(result_.models.front());
-    if (result_.best != 0) estimate(best);
+    tell("intervals of the parameters", 0, 1);
+    FittedHypothesis& nominal = result_.models.front();
+    nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
+    if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted, options_.seed, fit_options_);
     note_combinations(best);
-    const PairedGain gain = paired_gain(result_.models.front().held_out, best.held_out);
+    const PairedGain gain = paired_gain(nominal.held_out, best.held_out);
     result_.paired_p = gain.p;
     result_.effect_size = gain.effect_size;
     suggest();
@@ -383,7 +189,7 @@ class Diagnosing {
 
   /// Step 9: the best against its nearest rival of the same size, or against nothing missing.
   void suggest() {
-    if (result_.best == 0 || stopped()) return;
+    if (result_.best == 0 || result_.interrupted) return;
     std::size_t rival = 0;
     for (const Ranked& r : result_.verdict.ranked)
       if (r.model > 0 && static_cast<std::size_t>(r.model) != result_.best) {
@@ -399,7 +205,7 @@ class Diagnosing {
     const FittedHypothesis& best = result_.models[result_.best];
     const auto keep = [&](const Fit& plain, const Fit& full) {
       for (const std::size_t run : plain.runs) {
-        if (kept_ >= 6) return;
+        if (kept_ >= shown_runs) return;
         ++kept_;
         const Eigen::VectorXd a = problem_.plain_residual(plain.layout, run, plain.shared, plain.own[run]);
         const Eigen::VectorXd b = problem_.plain_residual(full.layout, run, full.shared, full.own[run]);
@@ -440,15 +246,13 @@ class Diagnosing {
   }
 
   DiagnoseOptions options_;
+  const Simulate& simulate_;
   Diagnosis result_;
   Split split_;
   Problem problem_;
   FitOptions fit_options_;
   std::vector<std::size_t> train_, held_;
-  std::optional<Nuisance> nominal_;
-  NullDistribution screen_null_;
-  std::size_t remaining_of_ = 0;
-  int guarded_ = 0, kept_ = 0;
+  int kept_ = 0;
 };
 
 }  // namespace

@@ -2,20 +2,21 @@
 /// Diagnosis of few-body recordings: from a mismatch to the missing physics, in twelve steps.
 ///
 ///   1 observation model   observation_model.hpp    2 calibration of the nominal scene   fit.hpp
-///   3 nested-optimum guard   here                   4 lack of fit   screen.hpp: the largest gain of noise alone
+///   3 nested-optimum guard   search.hpp             4 lack of fit   probe.hpp: noise alone; bootstrap.hpp: the whole fit
 ///   5 locate   locate.hpp                           6 shape   shape.hpp
-///   7 candidates   screen.hpp, then joint fits      8 verdict   verdict.hpp
-///   9 confounding   here                           10 uncertainty   curvature, and scatter between runs
-///  11 before and after on held-out runs            12 write back: the extended scene
+///   7 candidates   screen.hpp, then search.hpp      8 verdict   verdict.hpp
+///   9 confounding   confounding.hpp                10 uncertainty   uncertainty.hpp
+///  11 before and after on held-out runs, score.hpp 12 write back: the extended scene
 #include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "analysis/diagnosis/confounding.hpp"
-#include "analysis/diagnosis/locate.hpp"
 #include "analysis/diagnosis/score.hpp"
+#include "analysis/diagnosis/search.hpp"
 #include "analysis/diagnosis/shape.hpp"
+#include "analysis/diagnosis/uncertainty.hpp"
 #include "analysis/diagnosis/verdict.hpp"
 
 namespace repose::diagnosis {
@@ -24,16 +25,13 @@ struct DiagnoseOptions {
   int threads = 1;
   std::uint64_t seed = 1;
   int max_train_runs = 8, max_held_out_runs = 8;
-  int replicas = 499;
+  int replicas = 499;       ///< of noise alone, for p values
+  int bootstrap = 0;        ///< recordings that are simulated from the nominal fit and diagnosed anew, for its lack of fit
   int joint_fits = 6;       ///< candidates of the screening that are fitted jointly
   std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
+  SimulationStore* store = nullptr;  ///< none: every simulation is run anew
   std::function<void(const std::string& stage, double done, double total)> progress;
   std::function<bool()> interrupted;
-};
-
-struct ParameterEstimate {
-  std::string name, unit, effect;
-  double value = 0, lower = 0, upper = 0;  ///< 90 %
 };
 
 struct FittedHypothesis {
@@ -55,10 +53,11 @@ struct Diagnosis {
   Verdict verdict;
   std::vector<FittedHypothesis> models;   ///< [0]: nominal; then as fitted
   std::size_t best = 0;                   ///< the extended one; 0: nominal
-  double lack_of_fit_p = 1; ///< smallest of screening and locating, corrected for being two
+  double lack_of_fit_p = 1; ///< of the nominal: by the bootstrap if there was one, else from noise alone
   double remaining_p = 1;   ///< the same of the best model
   double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes
-  int replicas = 0;
+  int replicas = 0;         ///< behind lack_of_fit_p
+  bool bootstrapped = false;
   std::vector<Located> where;
   std::vector<Dependence> depends_on;
   std::vector<SuggestedRecording> suggested;

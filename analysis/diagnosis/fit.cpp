@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
@@ -39,7 +40,7 @@ struct Coordinates {
   const std::vector<Parameter>& parameters;
 };
 
-constexpr double difference = 0.1;  // in units of Coordinates
+constexpr double nudge = 0.1;  // in units of Coordinates
 
 class RunCost final : public ceres::CostFunction {
  public:
@@ -57,6 +58,7 @@ class RunCost final : public ceres::CostFunction {
     if (!own_.parameters.empty()) u[1].assign(blocks[block], blocks[block] + own_.parameters.size()), own_block = block++;
     const auto at = [&] { return problem_.residual(layout_, run_, shared_.from(u[0].data()), own_.from(u[1].data())); };
     const Eigen::VectorXd r = at();
+    if (r.size() == 0) return false;  // the simulation failed: a step that Ceres takes back
     Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
     if (jacobians == nullptr) return true;
     for (int which = 0; which < 2; ++which) {
@@ -68,12 +70,18 @@ class RunCost final : public ceres::CostFunction {
       for (Eigen::Index i = 0; i < n; ++i) {
         double& x = u[which][static_cast<std::size_t>(i)];
         const double kept = x;
-        const auto k = static_cast<std::size_t>(i);
-        // Away from a bound that is near.
-        const double upper = c.to(k, c.parameters[k].upper);
-        const double delta = kept + difference > upper ? -difference : difference;
+        // Away from a bound that is near, and from where the simulation fails.
+        const double upper = c.to(static_cast<std::size_t>(i), c.parameters[static_cast<std::size_t>(i)].upper);
+        double delta = kept + nudge > upper ? -nudge : nudge;
         x = kept + delta;
-        j.col(i) = (at() - r) / delta;
+        Eigen::VectorXd moved = at();
+        if (moved.size() == 0) {
+          delta = -delta;
+          x = kept + delta;
+          moved = at();
+        }
+        if (moved.size() == 0) return false;
+        j.col(i) = (moved - r) / delta;
         x = kept;
       }
     }
@@ -105,8 +113,8 @@ void evaluate(const Problem& problem, Fit& fit) {
   fit.parameters = static_cast<int>(fit.layout.shared.size());
   for (const std::size_t run : fit.runs) {
     fit.residual.push_back(residual_of(problem, fit, run));
-    fit.chi2 += fit.residual.back().squaredNorm();
-    fit.samples += fit.residual.back().size();
+    fit.chi2 += fit.residual.back().size() == 0 ? std::numeric_limits<double>::infinity() : fit.residual.back().squaredNorm();
+    fit.samples += problem.runs()[run].size;
     fit.parameters += static_cast<int>(fit.layout.per_run[run].size());
   }
 }
@@ -114,6 +122,7 @@ void evaluate(const Problem& problem, Fit& fit) {
 Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, bool frozen) {
   Fit best = start;
   evaluate(problem, best);
+  if (!std::isfinite(best.chi2)) return best;
   const Coordinates shared(best.layout.shared);
   std::vector<double> s = shared.to(best.shared);
   std::vector<std::vector<double>> own;
@@ -140,15 +149,20 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
   }
   if (any && !s.empty()) {
     bound(s.data(), shared);
-    if (frozen) least_squares.SetParameterBlockConstant(s.data());
+    if (frozen || (options.pinned >= 0 && s.size() == 1))
+      least_squares.SetParameterBlockConstant(s.data());
+    else if (options.pinned >= 0)
+      least_squares.SetManifold(s.data(), new ceres::SubsetManifold(static_cast<int>(s.size()), {options.pinned}));
   }
-  if (!any || (frozen && least_squares.NumParameters() == static_cast<int>(s.size()))) return best;
+  const bool fixed = frozen || (options.pinned >= 0 && s.size() == 1);
+  if (!any || (fixed && least_squares.NumParameters() == static_cast<int>(s.size()))) return best;
 
   ceres::Solver::Options o;
   o.max_num_iterations = options.iterations;
   o.num_threads = options.threads;
   o.linear_solver_type = ceres::DENSE_QR;
   o.function_tolerance = 1e-5;
+  o.max_num_line_search_step_size_iterations = 0;  // bounds are kept by projection: a search costs as much as several steps
   o.logging_type = ceres::SILENT;
   Stop stop(options.interrupted);
   o.callbacks = {&stop};
@@ -196,16 +210,21 @@ RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run) {
   const auto columns = [&](bool shared) {
     const std::vector<Parameter>& parameters = shared ? fit.layout.shared : fit.layout.per_run[run];
     const Coordinates c(parameters);
-    Eigen::MatrixXd j(r.size(), static_cast<Eigen::Index>(parameters.size()));
+    Eigen::MatrixXd j = Eigen::MatrixXd::Zero(problem.runs()[run].size, static_cast<Eigen::Index>(parameters.size()));
+    if (r.size() == 0) return j;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       Values s = fit.shared, o = fit.own[run];
       Values& v = shared ? s : o;
       const double before = v[k];
-      v[k] = c.from(i, c.to(i, before) + difference);
-      if (v[k] == before) v[k] = c.from(i, c.to(i, before) - difference);
-      const double moved = v[k] - before;
-      j.col(k) = moved == 0 ? Eigen::VectorXd::Zero(r.size()) : Eigen::VectorXd((problem.residual(fit.layout, run, s, o) - r) / moved);
+      for (const double delta : {nudge, -nudge}) {
+        v[k] = c.from(i, c.to(i, before) + delta);
+        if (v[k] == before) continue;
+        const Eigen::VectorXd moved = problem.residual(fit.layout, run, s, o);
+        if (moved.size() == 0) continue;
+        j.col(k) = (moved - r) / (v[k] - before);
+        break;
+      }
     }
     return j;
   };

@@ -13,7 +13,7 @@ struct Fit {
   std::vector<Values> own;                 ///< of every run of the problem; fitted for `runs` only
   std::vector<std::size_t> runs;           ///< that were fitted
   std::vector<Eigen::VectorXd> residual;   ///< of `runs`, whitened
-  double chi2 = 0;                         ///< sum of squares
+  double chi2 = 0;                         ///< sum of squares; infinite where a simulation fails
   Eigen::Index samples = 0;
   int parameters = 0;
   double per_dof() const { return chi2 / std::max<double>(1, static_cast<double>(samples - parameters)); }
@@ -22,6 +22,7 @@ struct Fit {
 struct FitOptions {
   int iterations = 12;
   int threads = 1;
+  int pinned = -1;  ///< a shared parameter that stays where it begins
   std::function<bool()> interrupted;
 };
 
@@ -29,13 +30,13 @@ struct FitOptions {
 Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std::size_t>& runs);
 
 /// Minimises chi^2 = sum of squared whitened residuals from `start` (Levenberg-Marquardt of Ceres within the bounds, derivatives by
-/// differences; logarithmic parameters in ln). Never ends worse than it began.
+/// differences; logarithmic parameters in ln). Never ends worse than it began; a start where a simulation fails is handed back.
 Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options);
 
 /// Frozen shared parameters: only the values of each run of `runs` are fitted.
 Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options);
 
-/// Derivatives of the residuals of one run at the fit.
+/// Derivatives of the residuals of one run at the fit; 0 where a simulation on either side fails or a bound is in the way.
 struct RunJacobian {
   Eigen::MatrixXd shared, own;
 };

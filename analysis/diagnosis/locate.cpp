@@ -5,17 +5,14 @@
 
 #include <Eigen/Dense>
 
+#include "analysis/diagnosis/probe.hpp"
+
 namespace repose::diagnosis {
 namespace {
 
 constexpr double significant = 0.01;
 constexpr double visible = 1;         // sigma: a component whose whole weight moves the record by less cannot be estimated
 constexpr double trial_share = 0.02;  // of a body's weight: small against what matters, large against rounding
-
-double gravity_scale(const History& history) {
-  const double g = history.gravity.norm();
-  return g > 0 ? g : 9.81;
-}
 
 /// The observable of the run that moves most with the direction d.
 std::string most_moved(const RunData& data, const Eigen::VectorXd& d) {
@@ -43,86 +40,22 @@ std::vector<Located> merged(std::vector<Located> entries) {
         result.back().p <= significant && e.p <= significant && result.back().force.dot(e.force) > 0) {
       Located& last = result.back();
       last.segment.to = e.segment.to;
-      last.gain = std::max(last.gain, e.gain);
+      last.deviate = std::max(last.deviate, e.deviate);
       last.p = std::min(last.p, e.p);
       continue;
     }
     result.push_back(e);
   }
-  std::sort(result.begin(), result.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.gain > b.gain; });
+  std::sort(result.begin(), result.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
   return result;
 }
 
 }  // namespace
 
-const std::string& phase_name(Phase phase) {
-  static const std::string names[] = {"flight", "impact", "sliding", "rolling", "rest"};
-  return names[static_cast<std::size_t>(phase)];
-}
-
-std::vector<Phase> phases_of(const History& history, const BodyTrack& track, double radius) {
-  const double g = gravity_scale(history), slow = 0.01 * std::sqrt(g * radius);
-  std::vector<Phase> phases;
-  for (std::size_t i = 0; i < history.time.size(); ++i) {
-    const double h = i > 0 ? history.time[i] - history.time[i - 1] : 0, speed = track.velocity[i].norm();
-    if (track.normal_force[i] <= 0)
-      phases.push_back(Phase::flight);
-    else if (track.approach[i] > 3 * g * h + slow)
-      phases.push_back(Phase::impact);
-    else if (speed < slow && track.spin[i].norm() * radius < slow)
-      phases.push_back(Phase::rest);
-    else
-      phases.push_back(track.slip_speed[i] < 0.05 * std::max(speed, slow) ? Phase::rolling : Phase::sliding);
-  }
-  if (phases.size() > 1) phases[0] = phases[1];  // the start has no contacts yet
-  return phases;
-}
-
-std::vector<Segment> segments_of(const History& history, const std::string& body, double until, int parts) {
-  const BodyTrack& track = history.bodies.at(body);
-  const std::vector<Phase> phases = phases_of(history, track, history.radius.at(body));
-  std::vector<Segment> segments;
-  const auto last = static_cast<std::size_t>(std::upper_bound(history.time.begin(), history.time.end(), until) - history.time.begin());
-  const double longest = until / parts;
-  std::size_t from = 0;
-  const auto close = [&](std::size_t to) {
-    if (to <= from) return;
-    Segment s;
-    s.body = body;
-    s.phase = phases[from];
-    s.from = history.time[from];
-    s.to = history.time[std::min(to, history.time.size() - 1)];
-    const auto n = static_cast<double>(to - from);
-    for (std::size_t i = from; i < to; ++i) {
-      s.speed += track.velocity[i].norm() / n;
-      s.slip_speed += track.slip_speed[i] / n;
-      s.spin += track.spin[i].norm() / n;
-      s.normal_force += track.normal_force[i] / n;
-      s.height += track.position[i].z() / n;
-      s.time += history.time[i] / n;
-      s.velocity += track.velocity[i] / n;
-    }
-    segments.push_back(s);
-    from = to;
-  };
-  for (std::size_t i = 1; i < last; ++i)
-    if (phases[i] != phases[from] || history.time[i] - history.time[from] >= longest) close(i);
-  close(last);
-  // Chattering between phases makes slivers: they join what came before, but for impacts.
-  std::vector<Segment> joined;
-  for (const Segment& s : segments) {
-    if (!joined.empty() && s.to - s.from < 0.1 * longest && s.phase != Phase::impact && joined.back().phase != Phase::impact)
-      joined.back().to = s.to;
-    else
-      joined.push_back(s);
-  }
-  return joined;
-}
-
 std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas,
                             std::uint64_t seed) {
   std::vector<Located> entries;
-  std::vector<Eigen::MatrixXd> bases;
+  std::vector<Probe> probes;
   const Fit& fit = nominal;
   for (std::size_t i = 0; i < std::min<std::size_t>(fit.runs.size(), static_cast<std::size_t>(max_runs)); ++i) {
     const std::size_t run = fit.runs[i];
@@ -139,19 +72,20 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
         Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), 3);
         for (int k = 0; k < 3; ++k) {
           WindowLoad load{body, segment.from, segment.to, trial_share * weight * Vec3::Unit(k), Vec3::Zero()};
-          columns.col(k).segment(first, size) = (problem.residual(fit.layout, run, fit.shared, fit.own[run], {load}) - fit.residual[i]) / trial_share;
+          const Eigen::VectorXd r = problem.residual(fit.layout, run, fit.shared, fit.own[run], {load});
+          if (r.size() > 0) columns.col(k).segment(first, size) = (r - fit.residual[i]) / trial_share;
         }
         Located entry;
         entry.run = run;
         entry.segment = segment;
         entry.mass = history.mass.at(body);
         entry.observable = most_moved(data, columns.rowwise().sum().segment(first, size));
-        const Eigen::MatrixXd basis = nuisance.left_of(columns);
-        if (basis.cols() == 0) continue;
-        entry.gain = (basis.transpose() * nuisance.residual()).squaredNorm();
+        Probe probe{nuisance.left_of(columns), false};
+        if (probe.basis.cols() == 0) continue;
+        entry.deviate = deviate(gain_of(probe, nuisance.residual()), probe.basis.cols());
         all.conservativeResize(Eigen::NoChange, all.cols() + 3);
         all.rightCols(3) = columns.middleRows(first, size);
-        bases.push_back(basis);
+        probes.push_back(std::move(probe));
         of_run.push_back(entries.size());
         entries.push_back(entry);
       }
@@ -178,8 +112,8 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
     }
   }
   if (entries.empty()) return entries;
-  const NullDistribution null = largest_gains(bases, nuisance.size(), replicas, seed);
-  for (Located& e : entries) e.p = null.p(e.gain);
+  const NullDistribution null = null_of(probes, nuisance.size(), replicas, seed);
+  for (Located& e : entries) e.p = null.p(e.deviate);
   return merged(std::move(entries));
 }
 

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/diagnosis/observation_model.hpp"
+#include "analysis/diagnosis/recorded_noise.hpp"
+#include "analysis/diagnosis/scene_values.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
@@ -13,190 +14,68 @@
 namespace repose::diagnosis {
 namespace {
 
-constexpr double resolution = 1e-4;  // of an observable's range: less noise than that is taken for a number that was not disturbed
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
-constexpr double failed = 1e3;  // residual of a simulation that ended in failure: far from every sensible one
+constexpr double largest_residual = 1e6;  // of the noise
 
-Vec3 rotation_vector(const Quat& q) {
-  const Eigen::AngleAxisd turn(q.w() < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q);
-  return turn.angle() * turn.axis();
+/// A constant that nobody measured: bounds of the effect that has its key.
+Parameter calibrated(const std::string& key, const YamlNode& tree, const NaturalScale& scale) {
+  Parameter p;
+  p.key = key;
+  p.lower = 0;
+  p.upper = 1e6;
+  const std::string first = key.substr(0, key.find('.')), last = key.substr(std::min(key.size(), key.rfind('.')));
+  for (const EffectRow& row : effect_library())
+    for (const EffectParameter& q : row.parameters) {
+      if (!q.key.ends_with(last) || !q.key.starts_with(first)) continue;
+      const EffectBounds bounds = bounds_of(q, scale);
+      p.lower = bounds.lower;
+      p.upper = bounds.upper;
+      p.unit = q.unit;
+      p.null = bounds.nominal;
+    }
+  const YamlNode* node = node_at(tree, key);
+  p.start = node != nullptr && node->kind == YamlNode::Kind::scalar ? parse_quantity(node->text, dimension::none) : 0.3;
+  p.step = 1e-3 * std::max(std::abs(p.start), 0.1 * std::min(p.upper - p.lower, 10.0));
+  return p;
 }
 
-/// What the measurement effects of a run's values do.
-struct Sensor {
-  double length = 1, time = 1, offset = 0;
-  double tilt_x = 0, tilt_y = 0;
-  std::map<int, double> bias;
-  Quat turned() const {
-    constexpr double degree = 0.017453292519943295;
-    return Quat(Eigen::AngleAxisd(tilt_y * degree, Vec3::UnitY()) * Eigen::AngleAxisd(tilt_x * degree, Vec3::UnitX())).conjugate();
-  }
-};
+Values starts(const std::vector<Parameter>& parameters) {
+  Values v(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t i = 0; i < parameters.size(); ++i) v[static_cast<Eigen::Index>(i)] = parameters[i].start;
+  return v;
+}
 
-void take(const std::vector<Parameter>& parameters, const Values& values, Sensor& sensor) {
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const double v = values[static_cast<Eigen::Index>(i)];
-    switch (parameters[i].use) {
-      case Parameter::Use::length_scale: sensor.length = v; break;
-      case Parameter::Use::time_scale: sensor.time = v; break;
-      case Parameter::Use::time_offset: sensor.offset = v; break;
-      case Parameter::Use::tilt_x: sensor.tilt_x = v; break;
-      case Parameter::Use::tilt_y: sensor.tilt_y = v; break;
-      case Parameter::Use::bias: sensor.bias[parameters[i].component] = v; break;
-      case Parameter::Use::scene:
-      case Parameter::Use::turn: break;
+/// Of the numbers that a run's channels are compared with.
+std::uint64_t fingerprint(const RunData& data) {
+  std::string bytes;
+  const auto put = [&](double x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
+  for (const Channel& c : data.channels) {
+    bytes += fmt::format("{} {} {} {};", c.observable, c.body, c.observation, c.axis);
+    const Observation& o = data.run->observations[c.observation];
+    if (o.axis) bytes += fmt::format("{} {} {};", o.axis->x(), o.axis->y(), o.axis->z());
+    for (std::size_t k = 0; k < c.time.size(); ++k) {
+      put(c.time[k]);
+      if (c.observable == "position") put(o.position[c.at[k]][c.axis]);
+      if (c.observable == "orientation")
+        for (const double x : o.orientation[c.at[k]].coeffs()) put(x);
+      if (!o.value.empty()) put(o.value[c.at[k]]);
     }
   }
-}
-
-/// Sets numbers and components of vectors in a scene tree.
-void put(YamlNode& tree, const std::vector<Parameter>& parameters, const Values& values, const std::vector<Quat>& start_orientation,
-         std::size_t& turned) {
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const Parameter& p = parameters[i];
-    const double v = values[static_cast<Eigen::Index>(i)];
-    if (p.use == Parameter::Use::scene) {
-      if (p.component < 0) {
-        set_path(tree, p.key, fmt::format("{}", v));
-        continue;
-      }
-      if (const YamlNode* vector = node_at(tree, p.key); vector == nullptr || vector->kind != YamlNode::Kind::sequence)
-        set_path(tree, p.key, "[0, 0, 0]");  // not written out in the scene
-      set_path(tree, fmt::format("{}.{}", p.key, p.component), fmt::format("{}", v));
-    } else if (p.use == Parameter::Use::turn && p.component == 0) {
-      const Vec3 w(v, values[static_cast<Eigen::Index>(i) + 1], values[static_cast<Eigen::Index>(i) + 2]);
-      const Quat q = (rotation_of(w) * start_orientation.at(turned++)).normalized();
-      set_path(tree, p.key, fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z()));
-    }
-  }
-}
-
-double spacing(const std::vector<double>& time) {
-  return time.size() < 2 ? 1 : (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  return checksum(bytes);
 }
 
 }  // namespace
 
-Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate)
-    : bundle_(bundle), simulate_(std::move(simulate)), scale_(natural_scale(realise(bundle.scene, 1))) {
-  find_noise(runs);
+Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate, SimulationStore* store)
+    : bundle_(bundle),
+      simulate_(std::move(simulate)),
+      scale_(natural_scale(realise(bundle.scene, 1))),
+      noise_(recorded_noise(bundle, runs)),
+      store_(store != nullptr ? store : &own_store_) {
   const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
-  for (const std::string& key : bundle.calibrate) {
-    Parameter p;
-    p.key = key;
-    p.lower = 0;
-    p.upper = 1e6;
-    for (const EffectRow& row : effect_library())
-      for (const EffectParameter& q : row.parameters)
-        if (const std::size_t dot = key.rfind('.'); q.key.ends_with(key.substr(dot)) && q.key.starts_with(key.substr(0, key.find('.')))) {
-          const EffectBounds bounds = bounds_of(q, scale_);
-          p.lower = bounds.lower;
-          p.upper = bounds.upper;
-          p.unit = q.unit;
-          p.null = bounds.nominal;
-        }
-    const YamlNode* node = node_at(tree, key);
-    p.start = node != nullptr && node->kind == YamlNode::Kind::scalar ? parse_quantity(node->text, dimension::none) : 0.3;
-    p.step = 1e-3 * std::max(std::abs(p.start), 0.1 * std::min(p.upper - p.lower, 10.0));
-    calibrated_.push_back(p);
-  }
+  for (const std::string& key : bundle.calibrate) calibrated_.push_back(calibrated(key, tree, scale_));
   for (const std::size_t index : runs) add_run(index);
   add_numerics();
-}
-
-void Problem::find_noise(const std::vector<std::size_t>& runs) {
-  std::map<std::string, std::vector<NoiseModel>> found;
-  std::map<std::string, double> ranges;
-  const auto widen = [&](const std::string& name, const std::vector<double>& samples) {
-    double low = INFINITY, high = -INFINITY;
-    for (const double x : samples)
-      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
-    if (high > low) ranges[name] = std::max(ranges[name], high - low);
-  };
-  const auto add = [&](const std::string& name, const std::vector<double>& samples) {
-    widen(name, samples);
-    if (const NoiseModel noise = noise_model(samples); noise.sd > 0) found[name].push_back(noise);
-  };
-  for (const std::size_t index : runs)
-    for (const Observation& o : bundle_.runs[index].observations) {
-      if (o.kind == ObservableKind::series) add(o.name, o.value);
-      if (o.kind != ObservableKind::trajectory) continue;
-      for (int k = 0; k < 3; ++k) {
-        std::vector<double> x, turn;
-        for (const Vec3& p : o.position) x.push_back(p[k]);
-        add("position", x);
-        for (const Quat& q : o.orientation) turn.push_back(rotation_vector(q * o.orientation.front().conjugate())[k]);
-        if (!turn.empty() && std::isfinite(o.orientation.front().w())) add("orientation", turn);
-      }
-    }
-  for (auto& [name, models] : found) {
-    const auto middle = models.begin() + static_cast<std::ptrdiff_t>(models.size() / 2);
-    std::nth_element(models.begin(), middle, models.end(), [](const NoiseModel& a, const NoiseModel& b) { return a.sd < b.sd; });
-    noise_[name] = *middle;
-    std::nth_element(models.begin(), middle, models.end(), [](const NoiseModel& a, const NoiseModel& b) { return a.phi < b.phi; });
-    noise_[name].phi = middle->phi;
-  }
-  for (const auto& [name, sd] : bundle_.noise) noise_[name].sd = sd;
-  for (auto& [name, range] : ranges) {
-    NoiseModel& noise = noise_[name];
-    if (noise.sd < resolution * range) noise = {resolution * range, 0};
-  }
-}
-
-void Problem::add_numerics() {
-  std::map<std::string, std::vector<double>> errors;  // by observable, of each run: rms in units of the noise
-  Layout coarse = layout({}), fine = coarse;
-  fine.step_factor = 0.5;
-  Values shared(static_cast<Eigen::Index>(coarse.shared.size()));
-  for (Eigen::Index i = 0; i < shared.size(); ++i) shared[i] = coarse.shared[static_cast<std::size_t>(i)].start;
-  for (std::size_t run = 0; run < runs_.size(); ++run) {
-    Values own(static_cast<Eigen::Index>(runs_[run].start.size()));
-    for (Eigen::Index i = 0; i < own.size(); ++i) own[i] = runs_[run].start[static_cast<std::size_t>(i)].start;
-    const Eigen::VectorXd d = plain_residual(coarse, run, shared, own) - plain_residual(fine, run, shared, own);
-    for (const Channel& c : runs_[run].channels)
-      if (!c.time.empty())
-        errors[c.observable].push_back(d.segment(c.first, static_cast<Eigen::Index>(c.time.size())).norm() / std::sqrt(static_cast<double>(c.time.size())));
-  }
-  for (auto& [name, list] : errors) {
-    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
-    std::nth_element(list.begin(), middle, list.end());
-    const double grown = std::sqrt(1 + std::min(*middle, largest_numerics) * std::min(*middle, largest_numerics));
-    noise_[name].sd *= grown;
-  }
-  for (RunData& data : runs_)
-    for (Channel& c : data.channels) c.noise = noise_.at(c.observable).sd;
-  cache_.clear();
-}
-
-void Problem::set_up_channels(RunData& data) const {
-  data.channels.clear();
-  data.size = 0;
-  const auto add = [&](const std::string& observable, const std::string& body, int axis, const std::vector<double>& time,
-                       const auto& observed) {
-    Channel c;
-    c.observable = observable;
-    c.body = body;
-    c.axis = axis;
-    const auto noise = noise_.find(observable);
-    c.noise = noise == noise_.end() || noise->second.sd == 0 ? 1e-6 : noise->second.sd;
-    c.phi = noise == noise_.end() ? 0 : noise->second.phi;
-    c.first = data.size;
-    for (std::size_t i = 0; i < time.size(); ++i)
-      if (time[i] <= data.horizon && observed(i)) c.time.push_back(time[i]);
-    data.size += static_cast<Eigen::Index>(c.time.size());
-    data.channels.push_back(std::move(c));
-  };
-  for (std::size_t n = 0; n < data.run->observations.size(); ++n) {
-    const Observation& o = data.run->observations[n];
-    if (o.kind == ObservableKind::trajectory) {
-      for (int k = 0; k < 3; ++k) add("position", o.body, k, o.time, [&](std::size_t i) { return std::isfinite(o.position[i][k]); });
-      if (!o.orientation.empty())
-        for (int k = 0; k < 3; ++k)
-          add("orientation", o.body, k, o.time, [&](std::size_t i) { return std::isfinite(o.orientation[i].w()); });
-    } else if (o.kind == ObservableKind::series && (o.name == "specific_force" || o.name == "speed" || o.name == "height")) {
-      add(o.name, o.body, static_cast<int>(n), o.time, [&](std::size_t i) { return std::isfinite(o.value[i]); });
-    }
-  }
 }
 
 void Problem::add_run(std::size_t index) {
@@ -217,17 +96,49 @@ void Problem::add_run(std::size_t index) {
   find_horizon(runs_.size() - 1);
 }
 
+void Problem::set_up_channels(RunData& data) const {
+  data.channels.clear();
+  data.size = 0;
+  const auto add = [&](const std::string& observable, std::size_t observation, int axis, const auto& observed) {
+    const Observation& o = data.run->observations[observation];
+    Channel c;
+    c.observable = observable;
+    c.body = o.body;
+    c.observation = observation;
+    c.axis = axis;
+    const auto noise = noise_.find(observable);
+    c.noise = noise == noise_.end() || noise->second.sd == 0 ? 1e-6 : noise->second.sd;
+    c.phi = noise == noise_.end() ? 0 : noise->second.phi;
+    c.first = data.size;
+    for (std::size_t i = 0; i < o.time.size(); ++i)
+      if (o.time[i] <= data.horizon && observed(i)) {
+        c.time.push_back(o.time[i]);
+        c.at.push_back(i);
+      }
+    data.size += static_cast<Eigen::Index>(c.time.size());
+    data.channels.push_back(std::move(c));
+  };
+  for (std::size_t n = 0; n < data.run->observations.size(); ++n) {
+    const Observation& o = data.run->observations[n];
+    if (o.kind == ObservableKind::trajectory) {
+      for (int k = 0; k < 3; ++k) add("position", n, k, [&](std::size_t i) { return std::isfinite(o.position[i][k]); });
+      if (!o.orientation.empty())
+        for (int k = 0; k < 3; ++k) add("orientation", n, k, [&](std::size_t i) { return std::isfinite(o.orientation[i].w()); });
+    } else if (o.kind == ObservableKind::series && (o.name == "specific_force" || o.name == "speed" || o.name == "height")) {
+      add(o.name, n, 0, [&](std::size_t i) { return std::isfinite(o.value[i]); });
+    }
+  }
+  data.fingerprint = fingerprint(data);
+}
+
 void Problem::find_horizon(std::size_t run) {
   RunData& data = runs_[run];
   const auto k = static_cast<Eigen::Index>(data.start.size());
   if (k == 0) return;
   const Layout nominal = layout({});
-  Values shared(static_cast<Eigen::Index>(nominal.shared.size())), own(k), spread(k);
-  for (Eigen::Index i = 0; i < shared.size(); ++i) shared[i] = nominal.shared[static_cast<std::size_t>(i)].start;
-  for (Eigen::Index i = 0; i < k; ++i) {
-    own[i] = data.start[static_cast<std::size_t>(i)].start;
-    spread[i] = 2 * data.start[static_cast<std::size_t>(i)].step;
-  }
+  const Values shared = starts(nominal.shared), own = starts(data.start);
+  Values spread(k);
+  for (Eigen::Index i = 0; i < k; ++i) spread[i] = 2 * data.start[static_cast<std::size_t>(i)].step;
   // Where the response to the uncertainty of the start is no longer a straight line, a fit has nothing to hold on to.
   const Eigen::VectorXd middle = plain_residual(nominal, run, shared, own);
   double horizon = data.horizon;
@@ -236,6 +147,7 @@ void Problem::find_horizon(std::size_t run) {
     for (Eigen::Index i = 0; i < k; ++i) signs[i] = ((trial >> (i % 2)) + (i / 2) * trial) % 2 == 0 ? 1 : -1;
     const Eigen::VectorXd up = plain_residual(nominal, run, shared, own + signs.cwiseProduct(spread));
     const Eigen::VectorXd down = plain_residual(nominal, run, shared, own - signs.cwiseProduct(spread));
+    if (middle.size() == 0 || up.size() == 0 || down.size() == 0) continue;
     for (const Channel& c : data.channels) {
       int bent_for = 0;
       for (std::size_t i = 0; i < c.time.size(); ++i) {
@@ -255,6 +167,29 @@ void Problem::find_horizon(std::size_t run) {
   }
 }
 
+void Problem::add_numerics() {
+  std::map<std::string, std::vector<double>> errors;  // by observable, of each run: rms in units of the noise
+  Layout coarse = layout({}), fine = coarse;
+  fine.step_factor = 0.5;
+  const Values shared = starts(coarse.shared);
+  for (std::size_t run = 0; run < runs_.size(); ++run) {
+    const Values own = starts(runs_[run].start);
+    const Eigen::VectorXd a = plain_residual(coarse, run, shared, own), b = plain_residual(fine, run, shared, own);
+    if (a.size() == 0 || b.size() == 0) continue;
+    for (const Channel& c : runs_[run].channels)
+      if (const auto n = static_cast<Eigen::Index>(c.time.size()); n > 0)
+        errors[c.observable].push_back((a - b).segment(c.first, n).norm() / std::sqrt(static_cast<double>(n)));
+  }
+  for (auto& [name, list] : errors) {
+    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), middle, list.end());
+    noise_[name].sd *= std::hypot(1.0, std::min(*middle, largest_numerics));
+  }
+  for (RunData& data : runs_)
+    for (Channel& c : data.channels)
+      if (const auto noise = noise_.find(c.observable); noise != noise_.end() && noise->second.sd > 0) c.noise = noise->second.sd;
+}
+
 Layout Problem::layout(const Hypothesis& hypothesis) const {
   Layout result;
   result.hypothesis = hypothesis;
@@ -271,44 +206,41 @@ Layout Problem::layout(const Hypothesis& hypothesis) const {
   return result;
 }
 
+YamlNode Problem::made_finer(YamlNode tree, const Layout& layout) const {
+  const SolverOptions& solver = bundle_.scene.solver;
+  if (layout.step_factor != 1) set_path(tree, "solver.time_step", fmt::format("{}", solver.time_step * layout.step_factor));
+  if (layout.tolerance_factor != 1) set_path(tree, "solver.tolerance", fmt::format("{}", solver.tolerance * layout.tolerance_factor));
+  return tree;
+}
+
 YamlNode Problem::scene(const Layout& layout, std::size_t run, const Values& shared, const Values& own) const {
   const RunData& data = runs_[run];
+  std::vector<Quat> orientations;
+  for (const Parameter& p : layout.per_run[run]) {
+    if (p.use != Parameter::Use::turn || p.component != 0) continue;
+    for (const Observation& o : data.run->observations) {
+      if (p.key != "bodies." + o.body + ".orientation") continue;
+      const auto seen = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
+      if (seen != o.orientation.end()) orientations.push_back(*seen);
+      break;
+    }
+  }
   YamlNode tree = data.tree;
   put_terms(tree, layout.hypothesis, scale_);
-  std::size_t turned = 0;
-  std::vector<Quat> orientations;
-  for (const Parameter& p : layout.per_run[run])
-    if (p.use == Parameter::Use::turn && p.component == 0)
-      for (const Observation& o : data.run->observations)
-        if (p.key == "bodies." + o.body + ".orientation") {
-          for (const Quat& q : o.orientation)
-            if (std::isfinite(q.w())) {
-              orientations.push_back(q);
-              break;
-            }
-          break;
-        }
-  put(tree, layout.shared, shared, {}, turned);
-  put(tree, layout.per_run[run], own, orientations, turned);
-  if (layout.step_factor != 1 || layout.tolerance_factor != 1) {
-    set_path(tree, "solver.time_step", fmt::format("{}", bundle_.scene.solver.time_step * layout.step_factor));
-    set_path(tree, "solver.tolerance", fmt::format("{}", bundle_.scene.solver.tolerance * layout.tolerance_factor));
-  }
-  return tree;
+  put_values(tree, layout.shared, shared);
+  put_values(tree, layout.per_run[run], own, orientations);
+  return made_finer(std::move(tree), layout);
 }
 
 YamlNode Problem::extended_scene(const Layout& layout, const Values& shared) const {
   YamlNode tree = parse_yaml(bundle_.scene.text, "scene");
   put_terms(tree, layout.hypothesis, scale_);
-  std::size_t turned = 0;
-  put(tree, layout.shared, shared, {}, turned);
-  if (layout.step_factor != 1) set_path(tree, "solver.time_step", fmt::format("{}", bundle_.scene.solver.time_step * layout.step_factor));
-  if (layout.tolerance_factor != 1) set_path(tree, "solver.tolerance", fmt::format("{}", bundle_.scene.solver.tolerance * layout.tolerance_factor));
-  return tree;
+  put_values(tree, layout.shared, shared);
+  return made_finer(std::move(tree), layout);
 }
 
 History Problem::history(const Layout& layout, std::size_t run, const Values& shared, const Values& own) const {
-  const Scene made = parse_scene(emit_yaml(scene(layout, run, shared, own)), bundle_.scene_file.string(), {}, bundle_.scene_file.parent_path());
+  const Scene made = read_scene(scene(layout, run, shared, own), bundle_.scene_file.string(), bundle_.scene_file.parent_path());
   SimulationRequest request;
   request.scene = &made;
   request.contacts = true;
@@ -319,6 +251,7 @@ History Problem::history(const Layout& layout, std::size_t run, const Values& sh
 Eigen::VectorXd Problem::residual(const Layout& layout, std::size_t run, const Values& shared, const Values& own,
                                   const std::vector<WindowLoad>& loads) const {
   Eigen::VectorXd r = plain_residual(layout, run, shared, own, loads);
+  if (r.size() == 0) return r;
   for (const Channel& c : runs_[run].channels)
     if (c.phi > 0) whiten(r.segment(c.first, static_cast<Eigen::Index>(c.time.size())), c.phi);
   return r;
@@ -327,73 +260,37 @@ Eigen::VectorXd Problem::residual(const Layout& layout, std::size_t run, const V
 Eigen::VectorXd Problem::plain_residual(const Layout& layout, std::size_t run, const Values& shared, const Values& own,
                                         const std::vector<WindowLoad>& loads) const {
   const RunData& data = runs_[run];
-  Sensor sensor;
-  take(layout.shared, shared, sensor);
-  take(layout.per_run[run], own, sensor);
-  std::string text = emit_yaml(scene(layout, run, shared, own));
-  std::string key = text + fmt::format("|{}|{}|{}|{}|{}|{}|{}|{}", run, data.horizon, data.size, sensor.length, sensor.time, sensor.offset,
-                                       sensor.tilt_x, sensor.tilt_y);
-  for (const auto& [n, bias] : sensor.bias) key += fmt::format("|{}:{}", n, bias);
+  Measurement m;
+  take(layout.shared, shared, m);
+  take(layout.per_run[run], own, m);
+  YamlNode tree = scene(layout, run, shared, own);
+  std::string key = emit_yaml(tree) + fmt::format("|{}|{}|{}|{}|{}|{}", data.fingerprint, m.length, m.time, m.offset, m.tilt_x, m.tilt_y);
+  for (const auto& [n, bias] : m.bias) key += fmt::format("|{}:{}", n, bias);
   for (const WindowLoad& load : loads)
     key += fmt::format("|{} {} {} {} {} {} {} {} {}", load.body, load.from, load.to, load.force.x(), load.force.y(), load.force.z(),
                        load.torque.x(), load.torque.y(), load.torque.z());
   const std::uint64_t hash = checksum(key);
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto known = cache_.find(hash); known != cache_.end()) return known->second;
+  std::optional<Eigen::VectorXd> d = store_->find(hash);
+  if (!d) {
     ++simulations_;
-  }
-  Eigen::VectorXd r = Eigen::VectorXd::Constant(data.size, failed);
-  try {
-    const Scene made = parse_scene(text, bundle_.scene_file.string(), {}, bundle_.scene_file.parent_path());
-    SimulationRequest request;
-    request.scene = &made;
-    request.loads = loads;
-    request.until = std::max((data.horizon - sensor.offset) / sensor.time + 2 * made.solver.time_step, 4 * made.solver.time_step);
-    const History history = simulate_(request);
-    const Quat turned = sensor.turned();
-    std::size_t channel = 0;
-    for (std::size_t n = 0; n < data.run->observations.size(); ++n) {
-      const Observation& o = data.run->observations[n];
-      const auto body = history.bodies.find(o.body);
-      if (body == history.bodies.end()) continue;
-      const double window = spacing(o.time);
-      while (channel < data.channels.size()) {
-        const Channel& c = data.channels[channel];
-        const bool mine = o.kind == ObservableKind::trajectory ? c.body == o.body && (c.observable == "position" || c.observable == "orientation")
-                                                               : c.observable == o.name && c.axis == static_cast<int>(n);
-        if (!mine) break;
-        std::size_t i = 0;
-        for (std::size_t k = 0; k < c.time.size(); ++k) {
-          while (o.time[i] != c.time[k]) ++i;
-          const double t = (c.time[k] - sensor.offset) / sensor.time;
-          double difference = 0;
-          if (c.observable == "position" || c.observable == "orientation") {
-            const BodySample s = sample(history, body->second, t);
-            if (c.observable == "position")
-              difference = (sensor.length * (turned * s.position))[c.axis] - o.position[i][c.axis];
-            else
-              difference = rotation_vector(turned * s.orientation * o.orientation[i].conjugate())[c.axis];
-          } else {
-            const BodySample s = sample(history, body->second, t);
-            const double value = o.name == "specific_force" ? specific_force(history, body->second, *o.axis, t, window) * sensor.length
-                                 : o.name == "speed"        ? s.velocity.norm() * sensor.length / sensor.time
-                                                            : s.position.z() * sensor.length;
-            const auto bias = sensor.bias.find(static_cast<int>(n));
-            difference = value + (bias == sensor.bias.end() ? 0 : bias->second) - o.value[i];
-          }
-          r[c.first + static_cast<Eigen::Index>(k)] = std::clamp(difference / c.noise, -1e6, 1e6);
-        }
-        ++channel;
-      }
+    d.emplace();
+    try {
+      const Scene made = read_scene(std::move(tree), bundle_.scene_file.string(), bundle_.scene_file.parent_path());
+      SimulationRequest request;
+      request.scene = &made;
+      request.loads = loads;
+      request.until = std::max(m.true_time(data.horizon) + 2 * made.solver.time_step, 4 * made.solver.time_step);
+      d = difference(simulate_(request), *data.run, data.channels, m);
+      if (!d->allFinite()) d->resize(0);
+    } catch (const Error& problem) {
+      if (problem.problem() == "interrupted") return {};  // not a result; whoever asked sees the interruption for himself
     }
-  } catch (const Error& problem) {
-    if (problem.problem() == "interrupted") throw;
-    r.setConstant(failed);
+    store_->add(hash, *d);
   }
-  const std::lock_guard lock(mutex_);
-  cache_.emplace(hash, r);
-  return r;
+  Eigen::VectorXd& r = *d;
+  if (r.size() == 0) return r;
+  for (const Channel& c : data.channels) r.segment(c.first, static_cast<Eigen::Index>(c.time.size())) /= c.noise;
+  return r.cwiseMax(-largest_residual).cwiseMin(largest_residual);
 }
 
 }  // namespace repose::diagnosis

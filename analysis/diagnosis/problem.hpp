@@ -1,30 +1,20 @@
 #pragma once
 /// The few-body problem: runs with their data, and the residuals of a hypothesis at given parameter values.
-#include <memory>
-#include <mutex>
+#include <atomic>
+#include <map>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "analysis/bundle/bundle.hpp"
 #include "analysis/diagnosis/hypothesis.hpp"
+#include "analysis/diagnosis/measurement.hpp"
 #include "analysis/diagnosis/observation_model.hpp"
+#include "analysis/diagnosis/simulation_store.hpp"
 #include "analysis/history.hpp"
 
 namespace repose::diagnosis {
-
-/// One measured number sequence of a run: an axis of a position or orientation, or a series.
-struct Channel {
-  std::string observable;  ///< "position", "orientation", or the series' name
-  std::string body;
-  int axis = 0;
-  double noise = 1;        ///< standard deviation of one sample
-  double phi = 0;          ///< correlation of neighbours
-  std::vector<double> time;
-  Eigen::Index first = 0;  ///< of its residuals in the run's vector; as many as times
-};
 
 /// What is compared of one run.
 struct RunData {
@@ -34,6 +24,7 @@ struct RunData {
   std::vector<Channel> channels;
   double horizon = 0;               ///< [s]: later samples are left out, for noise in the start grows beyond use
   Eigen::Index size = 0;
+  std::uint64_t fingerprint = 0;    ///< of the recorded numbers
 };
 
 /// Values of one run under a hypothesis, in the order: calibrated, shared of the terms, start values, per run of the terms.
@@ -51,15 +42,15 @@ struct Layout {
 class Problem {
  public:
   /// `runs`: indices into the bundle's runs that are used. Estimates noise where it is not given, start values where they
-  /// are free, and how far each run can be followed. `bundle` must outlive the problem.
-  Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate);
+  /// are free, and how far each run can be followed. `bundle` and `store` (none: one of its own) must outlive the problem.
+  Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate, SimulationStore* store = nullptr);
 
   const std::vector<RunData>& runs() const { return runs_; }
   const Bundle& bundle() const { return bundle_; }
   const NaturalScale& scale() const { return scale_; }
   Layout layout(const Hypothesis& hypothesis) const;
 
-  /// (simulated - recorded) / noise, whitened, all channels of the run. Large constant residuals if the simulation fails.
+  /// (simulated - recorded) / noise, whitened, all channels of the run. Empty if the simulation fails: not a feasible point.
   Eigen::VectorXd residual(const Layout& layout, std::size_t run, const Values& shared, const Values& own,
                            const std::vector<WindowLoad>& loads = {}) const;
   /// The path that the hypothesis predicts, with contacts.
@@ -81,7 +72,7 @@ class Problem {
   void add_run(std::size_t index);
   void set_up_channels(RunData& data) const;
   void find_horizon(std::size_t run);
-  void find_noise(const std::vector<std::size_t>& runs);
+  YamlNode made_finer(YamlNode tree, const Layout& layout) const;
   /// Adds to the noise (in squares) how far runs at h and h/2 part: the step must not pass for physics.
   void add_numerics();
 
@@ -91,9 +82,9 @@ class Problem {
   std::vector<Parameter> calibrated_;
   std::map<std::string, NoiseModel> noise_;  ///< by observable
   std::vector<RunData> runs_;
-  mutable std::mutex mutex_;
-  mutable std::unordered_map<std::uint64_t, Eigen::VectorXd> cache_;
-  mutable std::size_t simulations_ = 0;
+  mutable SimulationStore own_store_;
+  SimulationStore* store_;
+  mutable std::atomic<std::size_t> simulations_{0};
 };
 
 /// Start values of a run from its own first samples: position and orientation of the first sample, velocity and spin from a

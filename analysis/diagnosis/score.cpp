@@ -5,6 +5,11 @@
 #include "analysis/two_samples.hpp"
 
 namespace repose::diagnosis {
+namespace {
+
+constexpr double of_a_failure = 1e3;  // sigma, of every sample of a run whose simulation fails
+
+}  // namespace
 
 Score score_of(const Problem& problem, const Fit& fit) {
   Score score;
@@ -12,9 +17,15 @@ Score score_of(const Problem& problem, const Fit& fit) {
   std::map<std::string, std::pair<double, double>> squares;  // sum, count
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     const std::size_t run = fit.runs[i];
+    const Eigen::VectorXd plain = problem.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
+    if (plain.size() == 0) {  // the model cannot even be run there
+      const Eigen::VectorXd lost = Eigen::VectorXd::Constant(problem.runs()[run].size, of_a_failure);
+      score.per_run.push_back(gaussian_log_likelihood(lost, 1));
+      score.log_likelihood += score.per_run.back();
+      continue;
+    }
     score.per_run.push_back(gaussian_log_likelihood(fit.residual[i], 1));
     score.log_likelihood += score.per_run.back();
-    const Eigen::VectorXd plain = problem.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
     for (const Channel& c : problem.runs()[run].channels) {
       auto& [sum, count] = squares[c.observable];
       sum += (c.noise * plain.segment(c.first, static_cast<Eigen::Index>(c.time.size()))).squaredNorm();

@@ -2,202 +2,200 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
-
-#include "analysis/bundle/sensor.hpp"
-#include "core/random.hpp"
 
 namespace repose::diagnosis {
 namespace {
 
-constexpr double negligible = 1e-6;  // share of a direction that must be left, else it is imitated wholly
+constexpr double poor_fit = 2;  // chi^2 per degree of freedom
+constexpr double shares[] = {-0.3, -0.1, -0.03, -0.01, -0.003, 0.003, 0.01, 0.03, 0.1, 0.3, 0.6, 0.9};  // of the range, from nothing
+constexpr double small_share = 0.03;
+constexpr int further_points = 8;
 
-/// Orthonormal basis of the columns; those that are linear combinations of others are dropped.
-Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
-  if (columns.cols() == 0) return columns;
-  Eigen::MatrixXd scaled = columns;
-  for (Eigen::Index i = 0; i < scaled.cols(); ++i)
-    if (const double size = scaled.col(i).norm(); size > 0) scaled.col(i) /= size;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-  qr.setThreshold(1e-9);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+double at_log(const Parameter& p, double share) { return p.lower * std::pow(p.upper / p.lower, share); }
+
+/// Values of the term's shared parameters that are tried.
+std::vector<Values> tried_points(const std::vector<Parameter>& parameters, int points) {
+  Values first(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t i = 0; i < parameters.size(); ++i) first[static_cast<Eigen::Index>(i)] = parameters[i].start;
+  std::vector<Values> tried;
+  const auto add = [&](Values base, std::size_t k, double value) {
+    base[static_cast<Eigen::Index>(k)] = value;
+    tried.push_back(std::move(base));
+  };
+  // Components of one quantity: of a vector, or the two angles of a tilt.
+  std::size_t components = 1;
+  while (components < parameters.size() && (parameters[components].component > 0 || parameters[components].unit == "deg") &&
+         !parameters[0].logarithmic)
+    ++components;
+  const auto linear = [&](const Values& base, std::size_t k, double share) {
+    const Parameter& p = parameters[k];
+    const double value = (std::isfinite(p.null) ? p.null : p.start) + share * (p.upper - p.lower);
+    if (value >= p.lower && value <= p.upper) add(base, k, value);
+  };
+  if (parameters[0].logarithmic) {
+    for (int i = 0; i < points; ++i) add(first, 0, at_log(parameters[0], (i + 0.5) / points));
+  } else {
+    for (std::size_t k = 0; k < components; ++k)
+      for (const double share : shares) linear(first, k, share);
+  }
+  for (std::size_t j = components; j < parameters.size(); ++j) {
+    if (!parameters[j].logarithmic) continue;
+    for (int i = 0; i < further_points; ++i) {
+      Values base = first;
+      base[static_cast<Eigen::Index>(j)] = at_log(parameters[j], (i + 0.5) / further_points);
+      if (parameters[0].logarithmic)
+        for (const double share : {0.25, 0.5, 0.75}) add(base, 0, at_log(parameters[0], share));
+      else
+        for (std::size_t k = 0; k < components; ++k) linear(base, k, small_share);
+    }
+  }
+  return tried;
 }
+
+class Screening {
+ public:
+  Screening(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, const Term& term)
+      : problem_(problem), nominal_(nominal), nuisance_(nuisance) {
+    Hypothesis hypothesis = nominal.layout.hypothesis;
+    hypothesis.terms.push_back(term);
+    layout_ = problem.layout(hypothesis);
+    layout_.step_factor = nominal.layout.step_factor;
+    layout_.tolerance_factor = nominal.layout.tolerance_factor;
+    best_.term = term;
+    best_.reached = nuisance.left_of_vector(nuisance.residual()).squaredNorm();
+  }
+
+  Screened shared(int points) {
+    const auto before = static_cast<Eigen::Index>(nominal_.layout.shared.size());
+    const std::vector<Parameter> parameters(layout_.shared.begin() + before, layout_.shared.end());
+    Values values(static_cast<Eigen::Index>(layout_.shared.size()));
+    values.head(before) = nominal_.shared;
+    const bool poor = nominal_.per_dof() > poor_fit;
+    for (const Values& point : tried_points(parameters, points)) {
+      values.tail(point.size()) = point;
+      const Eigen::VectorXd near = stacked(values, false);
+      if (near.size() > 0) {
+        Probe probe{nuisance_.left_of(near - nuisance_.residual()), true};
+        if (probe.basis.cols() > 0) {
+          // The basis is a direction up to its sign.
+          if (probe.basis.col(0).dot(near - nuisance_.residual()) < 0) probe.basis = -probe.basis;
+          keep(std::move(probe));
+        }
+        consider(near, point, false);
+      }
+      if (poor) consider(stacked(values, true), point, true);
+    }
+    return std::move(best_);
+  }
+
+  /// Parameters that each run has for itself: all runs and parameters at once.
+  Screened own() {
+    const std::size_t count = layout_.per_run[nominal_.runs.front()].size() - nominal_.layout.per_run[nominal_.runs.front()].size();
+    std::vector<Eigen::VectorXd> columns;
+    for (std::size_t i = 0; i < nominal_.runs.size(); ++i) {
+      const std::size_t run = nominal_.runs[i], known = nominal_.layout.per_run[run].size();
+      for (std::size_t k = known; k < std::min(known + count, layout_.per_run[run].size()); ++k) {
+        Values values = own_of(run, false);
+        const double moved = 10 * layout_.per_run[run][k].step;
+        values[static_cast<Eigen::Index>(k)] += moved;
+        const Eigen::VectorXd r = problem_.residual(layout_, run, nominal_.shared, values);
+        if (r.size() == 0) continue;
+        columns.push_back(Eigen::VectorXd::Zero(nuisance_.size()));
+        columns.back().segment(nuisance_.first()[i], r.size()) = (r - nominal_.residual[i]) / moved;
+      }
+    }
+    Eigen::MatrixXd all(nuisance_.size(), static_cast<Eigen::Index>(columns.size()));
+    for (std::size_t i = 0; i < columns.size(); ++i) all.col(static_cast<Eigen::Index>(i)) = columns[i];
+    const Probe probe{nuisance_.left_of(all), false};
+    best_.reached -= gain_of(probe, nuisance_.residual());
+    keep(probe);
+    return std::move(best_);
+  }
+
+  bool has_shared() const { return layout_.shared.size() > nominal_.layout.shared.size(); }
+
+ private:
+  Values own_of(std::size_t run, bool from_data) const {
+    Values own(static_cast<Eigen::Index>(layout_.per_run[run].size()));
+    for (Eigen::Index i = 0; i < own.size(); ++i)
+      own[i] = !from_data && i < nominal_.own[run].size() ? nominal_.own[run][i] : layout_.per_run[run][static_cast<std::size_t>(i)].start;
+    return own;
+  }
+
+  /// Empty if any run fails.
+  Eigen::VectorXd stacked(const Values& shared, bool from_data) const {
+    Eigen::VectorXd all(nuisance_.size());
+    for (std::size_t i = 0; i < nominal_.runs.size(); ++i) {
+      const Eigen::VectorXd r = problem_.residual(layout_, nominal_.runs[i], shared, own_of(nominal_.runs[i], from_data));
+      if (r.size() == 0) return {};
+      all.segment(nuisance_.first()[i], r.size()) = r;
+    }
+    return all;
+  }
+
+  void keep(Probe probe) {
+    best_.deviate = std::max(best_.deviate, deviate(gain_of(probe, nuisance_.residual()), probe.basis.cols()));
+    best_.probes.push_back(std::move(probe));
+  }
+
+  void consider(const Eigen::VectorXd& r, const Values& point, bool from_data) {
+    if (r.size() == 0) return;
+    const double chi2 = nuisance_.left_of_vector(r).squaredNorm();
+    if (!best_.shared_start.empty() && chi2 >= smallest_) return;
+    smallest_ = chi2;
+    best_.reached = std::min(best_.reached, chi2);
+    best_.shared_start.assign(point.begin(), point.end());
+    best_.from_data = from_data;
+  }
+
+  const Problem& problem_;
+  const Fit& nominal_;
+  const Nuisance& nuisance_;
+  Layout layout_;
+  Screened best_;
+  double smallest_ = std::numeric_limits<double>::infinity();
+};
 
 }  // namespace
 
-Nuisance::Nuisance(const Problem& problem, const Fit& fit) {
-  Eigen::Index total = 0;
-  std::vector<RunJacobian> jacobians;
-  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
-    first_.push_back(total);
-    total += fit.residual[i].size();
-    jacobians.push_back(jacobian(problem, fit, fit.runs[i]));
-  }
-  first_.push_back(total);
-  residual_.resize(total);
-  Eigen::MatrixXd shared(total, static_cast<Eigen::Index>(fit.layout.shared.size()));
-  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
-    residual_.segment(first_[i], fit.residual[i].size()) = fit.residual[i];
-    own_.push_back(basis_of(jacobians[i].own));
-    shared.middleRows(first_[i], fit.residual[i].size()) = jacobians[i].shared;
-  }
-  shared_ = basis_of(without_own(shared));
-}
-
-Eigen::MatrixXd Nuisance::without_own(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd left = columns;
-  for (std::size_t i = 0; i < own_.size(); ++i) {
-    auto block = left.middleRows(first_[i], first_[i + 1] - first_[i]);
-    if (own_[i].cols() > 0) block -= own_[i] * (own_[i].transpose() * block).eval();
-  }
-  return left;
-}
-
-Eigen::MatrixXd Nuisance::left_of(const Eigen::MatrixXd& columns) const {
-  Eigen::MatrixXd left = without_own(columns);
-  if (shared_.cols() > 0) left -= shared_ * (shared_.transpose() * left).eval();
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < left.cols(); ++i)
-    if (left.col(i).norm() > std::max(negligible * columns.col(i).norm(), 1e-9)) kept.push_back(i);
-  Eigen::MatrixXd result(left.rows(), static_cast<Eigen::Index>(kept.size()));
-  for (std::size_t i = 0; i < kept.size(); ++i) result.col(static_cast<Eigen::Index>(i)) = left.col(kept[i]);
-  return basis_of(result);
-}
-
-Eigen::VectorXd Nuisance::left_of_vector(const Eigen::VectorXd& stacked) const {
-  Eigen::MatrixXd left = without_own(stacked);
-  if (shared_.cols() > 0) left -= shared_ * (shared_.transpose() * left).eval();
-  return left.col(0);
-}
-
 Screened screen(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, const Term& term, int points) {
-  Screened best;
-  best.term = term;
-  Hypothesis hypothesis = nominal.layout.hypothesis;
-  hypothesis.terms.push_back(term);
-  const Layout layout = problem.layout(hypothesis);
-  const std::size_t shared_before = nominal.layout.shared.size();
-  const std::size_t shared_new = layout.shared.size() - shared_before;
-  const bool own_only = shared_new == 0;
-  const std::size_t own_before = nominal.layout.per_run.front().size();
-  const std::size_t count = own_only ? layout.per_run.front().size() - own_before : shared_new;
-  if (count == 0) return best;
-
-  Values shared(static_cast<Eigen::Index>(layout.shared.size()));
-  for (std::size_t i = 0; i < layout.shared.size(); ++i)
-    shared[static_cast<Eigen::Index>(i)] = i < shared_before ? nominal.shared[static_cast<Eigen::Index>(i)] : layout.shared[i].start;
-  const auto own_of = [&](std::size_t run) {
-    Values own(static_cast<Eigen::Index>(layout.per_run[run].size()));
-    for (std::size_t i = 0; i < layout.per_run[run].size(); ++i)
-      own[static_cast<Eigen::Index>(i)] = i < nominal.layout.per_run[run].size() ? nominal.own[run][static_cast<Eigen::Index>(i)] : layout.per_run[run][i].start;
-    return own;
-  };
-  const auto stacked = [&](const Values& s, std::size_t own_changed, double own_value) {
-    Eigen::VectorXd r(nuisance.size());
-    for (std::size_t i = 0; i < nominal.runs.size(); ++i) {
-      const std::size_t run = nominal.runs[i];
-      Values own = own_of(run);
-      if (own_only) own[static_cast<Eigen::Index>(nominal.layout.per_run[run].size() + own_changed)] = own_value;
-      r.segment(nuisance.first()[i], nuisance.first()[i + 1] - nuisance.first()[i]) = problem.residual(layout, run, s, own);
-    }
-    return r;
-  };
-
-  // Directions: the first parameter by a profile; vectors by their components; per-run ones by a column for each run.
-  const double chi2_before = nuisance.left_of_vector(nuisance.residual()).squaredNorm();
-  if (own_only) {
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), static_cast<Eigen::Index>(count * nominal.runs.size()));
-    std::vector<double> moved(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Parameter& p = layout.per_run[nominal.runs.front()][nominal.layout.per_run[nominal.runs.front()].size() + k];
-      moved[k] = 10 * p.step;
-      const Eigen::VectorXd d = (stacked(shared, k, p.null + moved[k]) - nuisance.residual()) / moved[k];
-      for (std::size_t i = 0; i < nominal.runs.size(); ++i)
-        columns.col(static_cast<Eigen::Index>(k * nominal.runs.size() + i)).segment(nuisance.first()[i], nuisance.first()[i + 1] - nuisance.first()[i]) =
-            d.segment(nuisance.first()[i], nuisance.first()[i + 1] - nuisance.first()[i]);
-    }
-    best.basis = nuisance.left_of(columns);
-    best.gain = (best.basis.transpose() * nuisance.residual()).squaredNorm();
-    return best;
-  }
-
-  std::vector<std::pair<Values, double>> tried;  // shared values, and the step from nothing
-  const auto add = [&](std::size_t k, double value) {
-    Values s = shared;
-    s[static_cast<Eigen::Index>(shared_before + k)] = value;
-    tried.emplace_back(s, value);
-  };
-  const Parameter& p = layout.shared[shared_before];
-  if (p.component >= 0 || !p.logarithmic) {
-    const std::size_t components = p.component >= 0 ? std::min<std::size_t>(3, count) : (p.use == Parameter::Use::tilt_x || term.row->name == "gravity_tilt" ? 2 : 1);
-    for (std::size_t k = 0; k < components; ++k)
-      for (const double share : {-0.3, -0.03, -0.003, 0.003, 0.03, 0.1, 0.3}) {
-        const Parameter& q = layout.shared[shared_before + k];
-        const double null = std::isfinite(q.null) ? q.null : q.start;
-        const double value = null + share * (q.upper - q.lower);
-        if (value > q.lower - 1e-12 && value < q.upper) add(k, value);
-      }
-  } else {
-    for (int i = 0; i < points; ++i) {
-      const double value = p.lower * std::pow(p.upper / p.lower, (i + 0.5) / points);
-      add(0, value);
-    }
-  }
-  Eigen::MatrixXd directions(nuisance.size(), static_cast<Eigen::Index>(tried.size()));
-  std::size_t best_index = tried.size();
-  double best_chi2 = chi2_before;
-  for (std::size_t i = 0; i < tried.size(); ++i) {
-    const Eigen::VectorXd r = stacked(tried[i].first, 0, 0);
-    directions.col(static_cast<Eigen::Index>(i)) = r - nuisance.residual();
-    const double chi2 = nuisance.left_of_vector(r).squaredNorm();
-    if (chi2 < best_chi2) {
-      best_chi2 = chi2;
-      best_index = i;
-    }
-  }
-  // One direction per component: the step that gained most, or the smallest one with an effect.
-  std::size_t chosen = best_index;
-  double largest_ratio = 0;
-  for (std::size_t i = 0; i < tried.size(); ++i) {
-    const Eigen::MatrixXd q = nuisance.left_of(directions.col(static_cast<Eigen::Index>(i)));
-    if (q.cols() == 0) continue;
-    const double projected = (q.transpose() * nuisance.residual()).squaredNorm();
-    if (best_index == tried.size() && projected > largest_ratio && directions.col(static_cast<Eigen::Index>(i)).norm() < 1e3 * std::sqrt(static_cast<double>(nuisance.size()))) {
-      largest_ratio = projected;
-      chosen = i;
-    }
-  }
-  if (chosen == tried.size()) return best;
-  best.basis = nuisance.left_of(directions.col(static_cast<Eigen::Index>(chosen)));
-  best.gain = chi2_before - best_chi2;
-  for (std::size_t k = 0; k < shared_new; ++k) best.shared_start.push_back(tried[chosen].first[static_cast<Eigen::Index>(shared_before + k)]);
-  return best;
+  Screening screening(problem, nominal, nuisance, term);
+  return screening.has_shared() ? screening.shared(points) : screening.own();
 }
 
-double NullDistribution::p(double gain) const {
-  const auto reached = static_cast<double>(largest.end() - std::lower_bound(largest.begin(), largest.end(), gain));
-  return (1 + reached) / (1 + static_cast<double>(largest.size()));
+std::vector<Probe> probes_of(const std::vector<Screened>& screened) {
+  std::vector<Probe> probes;
+  for (const Screened& s : screened) probes.insert(probes.end(), s.probes.begin(), s.probes.end());
+  return probes;
 }
 
-double NullDistribution::quantile(double share) const {
-  if (largest.empty()) return 0;
-  return largest[std::min(largest.size() - 1, static_cast<std::size_t>(share * static_cast<double>(largest.size())))];
-}
-
-NullDistribution largest_gains(const std::vector<Eigen::MatrixXd>& bases, Eigen::Index size, int replicas, std::uint64_t seed) {
-  NullDistribution null;
-  Random random(seed, 77);
-  Eigen::VectorXd e(size);
-  for (int b = 0; b < replicas; ++b) {
-    for (Eigen::Index i = 0; i < size; ++i) e[i] = normal(random);
-    double largest = 0;
-    for (const Eigen::MatrixXd& q : bases)
-      if (q.cols() > 0) largest = std::max(largest, (q.transpose() * e).squaredNorm());
-    null.largest.push_back(largest);
-  }
-  std::sort(null.largest.begin(), null.largest.end());
-  return null;
+std::vector<ScreenedPair> screen_pairs(const std::vector<Screened>& screened, const Eigen::VectorXd& residual, double least) {
+  const Eigen::VectorXd& r = residual;
+  std::vector<ScreenedPair> pairs;
+  const auto gain = [&](const Probe& a, const Probe& b) {
+    // Amplitudes of both directions by least squares; both must have the sign that exists.
+    const double c = a.basis.col(0).dot(b.basis.col(0)), p = -a.basis.col(0).dot(r), q = -b.basis.col(0).dot(r), s = 1 - c * c;
+    if (s < 1e-4) return 0.0;
+    const double x = (p - c * q) / s, y = (q - c * p) / s;
+    return x > 0 && y > 0 ? x * p + y * q : 0.0;
+  };
+  for (std::size_t i = 0; i < screened.size(); ++i)
+    for (std::size_t j = i + 1; j < screened.size(); ++j) {
+      if (screened[i].term.row == screened[j].term.row) continue;
+      ScreenedPair pair{i, j, 0};
+      double alone = 0;
+      for (const Probe& a : screened[i].probes) alone = std::max(alone, gain_of(a, r));
+      for (const Probe& b : screened[j].probes) alone = std::max(alone, gain_of(b, r));
+      for (const Probe& a : screened[i].probes)
+        for (const Probe& b : screened[j].probes)
+          if (a.one_sided && b.one_sided) pair.gain = std::max(pair.gain, gain(a, b));
+      if (pair.gain > alone + least) pairs.push_back(pair);
+    }
+  std::sort(pairs.begin(), pairs.end(), [](const ScreenedPair& a, const ScreenedPair& b) { return a.gain > b.gain; });
+  return pairs;
 }
 
 }  // namespace repose::diagnosis

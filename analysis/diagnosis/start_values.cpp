@@ -14,11 +14,6 @@ namespace {
 
 constexpr int early_samples = 10;
 
-Vec3 rotation_vector(const Quat& q) {
-  const Eigen::AngleAxisd turn(q.w() < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q);
-  return turn.angle() * turn.axis();
-}
-
 /// Value and slope at time 0 of a parabola through the first samples; their standard errors for unit noise.
 struct Early {
   bool seen = false;

@@ -1,0 +1,70 @@
+#include "analysis/diagnosis/nuisance.hpp"
+
+#include <algorithm>
+
+#include <Eigen/Dense>
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double negligible = 1e-6;  // share of a direction that must be left, else it is imitated wholly
+
+/// Orthonormal basis of the columns; those that are linear combinations of others are dropped.
+Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
+  if (columns.cols() == 0) return columns;
+  Eigen::MatrixXd scaled = columns;
+  for (Eigen::Index i = 0; i < scaled.cols(); ++i)
+    if (const double size = scaled.col(i).norm(); size > 0) scaled.col(i) /= size;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
+  qr.setThreshold(1e-9);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+}
+
+}  // namespace
+
+Nuisance::Nuisance(const Problem& problem, const Fit& fit) {
+  Eigen::Index total = 0;
+  std::vector<RunJacobian> jacobians;
+  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+    first_.push_back(total);
+    total += fit.residual[i].size();
+    jacobians.push_back(jacobian(problem, fit, fit.runs[i]));
+  }
+  first_.push_back(total);
+  residual_.resize(total);
+  Eigen::MatrixXd shared(total, static_cast<Eigen::Index>(fit.layout.shared.size()));
+  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+    residual_.segment(first_[i], fit.residual[i].size()) = fit.residual[i];
+    own_.push_back(basis_of(jacobians[i].own));
+    shared.middleRows(first_[i], fit.residual[i].size()) = jacobians[i].shared;
+  }
+  shared_ = basis_of(without_own(shared));
+}
+
+Eigen::MatrixXd Nuisance::without_own(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd left = columns;
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    auto block = left.middleRows(first_[i], first_[i + 1] - first_[i]);
+    if (own_[i].cols() > 0) block -= own_[i] * (own_[i].transpose() * block).eval();
+  }
+  return left;
+}
+
+Eigen::MatrixXd Nuisance::left_of(const Eigen::MatrixXd& columns) const {
+  Eigen::MatrixXd left = without_own(columns);
+  if (shared_.cols() > 0) left -= shared_ * (shared_.transpose() * left).eval();
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < left.cols(); ++i)
+    if (left.col(i).norm() > std::max(negligible * columns.col(i).norm(), 1e-9)) kept.push_back(i);
+  Eigen::MatrixXd result(left.rows(), static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t i = 0; i < kept.size(); ++i) result.col(static_cast<Eigen::Index>(i)) = left.col(kept[i]);
+  return basis_of(result);
+}
+
+Eigen::VectorXd Nuisance::left_of_vector(const Eigen::VectorXd& stacked) const {
+  Eigen::MatrixXd left = without_own(stacked);
+  if (shared_.cols() > 0) left -= shared_ * (shared_.transpose() * left).eval();
+  return left.col(0);
+}
+
+}  // namespace repose::diagnosis

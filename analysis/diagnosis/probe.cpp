@@ -1,0 +1,70 @@
+#include "analysis/diagnosis/probe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/bundle/sensor.hpp"
+#include "core/random.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr std::uint64_t stream = 77;
+constexpr Eigen::Index together = 64;  // draws that are projected at once
+
+/// From the products Q^T r of all probes, one under the other.
+double largest_deviate(const std::vector<Probe>& probes, const Eigen::VectorXd& products) {
+  double largest = -std::numeric_limits<double>::infinity();
+  Eigen::Index at = 0;
+  for (const Probe& probe : probes) {
+    const Eigen::Index k = probe.basis.cols();
+    if (k == 0) continue;
+    const double gain = probe.one_sided && products[at] > 0 ? 0 : products.segment(at, k).squaredNorm();
+    largest = std::max(largest, deviate(gain, k));
+    at += k;
+  }
+  return largest;
+}
+
+}  // namespace
+
+double gain_of(const Probe& probe, const Eigen::VectorXd& residual) {
+  if (probe.basis.cols() == 0) return 0;
+  const Eigen::VectorXd product = probe.basis.transpose() * residual;
+  return probe.one_sided && product[0] > 0 ? 0 : product.squaredNorm();
+}
+
+double deviate(double gain, Eigen::Index k) {
+  if (k == 0) return -std::numeric_limits<double>::infinity();
+  const double n = static_cast<double>(k), width = 2 / (9 * n);
+  return (std::cbrt(gain / n) - 1 + width) / std::sqrt(width);
+}
+
+double NullDistribution::p(double deviate) const {
+  const auto reached = static_cast<double>(largest.end() - std::lower_bound(largest.begin(), largest.end(), deviate));
+  return (1 + reached) / (1 + static_cast<double>(largest.size()));
+}
+
+NullDistribution null_of(const std::vector<Probe>& probes, Eigen::Index size, int replicas, std::uint64_t seed) {
+  Eigen::Index columns = 0;
+  for (const Probe& probe : probes) columns += probe.basis.cols();
+  Eigen::MatrixXd all(size, columns);
+  columns = 0;
+  for (const Probe& probe : probes) {
+    all.middleCols(columns, probe.basis.cols()) = probe.basis;
+    columns += probe.basis.cols();
+  }
+  NullDistribution null;
+  Random random(seed, stream);
+  for (Eigen::Index done = 0; done < replicas; done += together) {
+    Eigen::MatrixXd noise(size, std::min<Eigen::Index>(together, replicas - done));
+    for (double& e : noise.reshaped()) e = normal(random);
+    const Eigen::MatrixXd products = all.transpose() * noise;
+    for (Eigen::Index b = 0; b < products.cols(); ++b) null.largest.push_back(largest_deviate(probes, products.col(b)));
+  }
+  std::sort(null.largest.begin(), null.largest.end());
+  return null;
+}
+
+}  // namespace repose::diagnosis

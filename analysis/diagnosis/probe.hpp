@@ -1,0 +1,32 @@
+#pragma once
+/// Tests of directions in the space of residuals, against the largest that noise alone would give.
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace repose::diagnosis {
+
+/// Orthonormal columns along which an effect changes the residuals. One-sided (one column): only a residual against the direction
+/// counts, for an effect of the other sign does not exist.
+struct Probe {
+  Eigen::MatrixXd basis;
+  bool one_sided = false;
+};
+
+/// gain = |Q^T r|^2, twice a log likelihood ratio; one-sided: 0 where Q^T r > 0.
+double gain_of(const Probe& probe, const Eigen::VectorXd& residual);
+
+/// The gain of k directions as a normal deviate (Wilson & Hilferty 1931), so that probes of different k can be compared:
+///   z = ((gain / k)^(1/3) - 1 + 2 / (9 k)) / sqrt(2 / (9 k));    no probe: -infinity
+double deviate(double gain, Eigen::Index k);
+
+/// Largest deviates of draws of pure noise e ~ N(0, I) over a set of probes.
+struct NullDistribution {
+  std::vector<double> largest;  ///< ascending
+  /// Share of the draws that reach it, corrected for the number of draws: never below 1 / (draws + 1).
+  double p(double deviate) const;
+};
+NullDistribution null_of(const std::vector<Probe>& probes, Eigen::Index size, int replicas, std::uint64_t seed);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,64 @@
+#include "analysis/diagnosis/recorded_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/diagnosis/measurement.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double resolution = 1e-4;
+
+/// The samples of all runs and axes in one row, apart by more than differences reach: a median of many differences says more than a
+/// median of few medians.
+class Collection {
+ public:
+  void add(const std::string& observable, const std::vector<double>& samples) {
+    double low = INFINITY, high = -INFINITY;
+    for (const double x : samples)
+      if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+    if (high > low) ranges_[observable] = std::max(ranges_[observable], high - low);
+    if (noise_from_differences(samples) == 0) return;  // a constant, or too short to say
+    std::vector<double>& row = rows_[observable];
+    row.insert(row.end(), samples.begin(), samples.end());
+    row.insert(row.end(), apart, NAN);
+  }
+
+  std::map<std::string, NoiseModel> noise(const std::map<std::string, double>& given) const {
+    std::map<std::string, NoiseModel> result;
+    for (const auto& [name, row] : rows_) result[name] = noise_model(row);
+    for (const auto& [name, sd] : given) result[name].sd = sd;
+    for (const auto& [name, range] : ranges_)
+      if (result[name].sd < resolution * range) result[name] = {resolution * range, 0};
+    return result;
+  }
+
+ private:
+  static constexpr std::size_t apart = 6;  // three differences at stride 2
+  std::map<std::string, std::vector<double>> rows_;
+  std::map<std::string, double> ranges_;
+};
+
+}  // namespace
+
+std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std::vector<std::size_t>& runs) {
+  Collection collection;
+  for (const std::size_t index : runs)
+    for (const Observation& o : bundle.runs[index].observations) {
+      if (o.kind == ObservableKind::series) collection.add(o.name, o.value);
+      if (o.kind != ObservableKind::trajectory) continue;
+      const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
+      for (int k = 0; k < 3; ++k) {
+        std::vector<double> x, turn;
+        for (const Vec3& p : o.position) x.push_back(p[k]);
+        collection.add("position", x);
+        if (first == o.orientation.end()) continue;
+        for (const Quat& q : o.orientation) turn.push_back(std::isfinite(q.w()) ? rotation_vector(q * first->conjugate())[k] : NAN);
+        collection.add("orientation", turn);
+      }
+    }
+  return collection.noise(bundle.noise);
+}
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,254 @@
+#include "analysis/diagnosis/search.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include "analysis/diagnosis/side_by_side.hpp"
+#include "analysis/diagnosis/verdict.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr int profile_points = 10;
+constexpr int short_fit = 4;              // iterations that tell which candidates deserve more
+constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
+constexpr double poor_fit = 2;            // chi^2 per degree of freedom
+constexpr std::size_t bases_of_pairs = 2, pairs_each = 3;
+constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
+
+double worth(const Fit& fit) { return fit.chi2 + 2 * fit.parameters; }
+
+bool holds(const Hypothesis& hypothesis, const Term& term) {
+  return std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return t.row == term.row && t.place == term.place; });
+}
+
+}  // namespace
+
+Search::Search(const Problem& problem, std::vector<std::size_t> train, SearchOptions options)
+    : problem_(problem), train_(std::move(train)), options_(std::move(options)) {
+  fit_options_.threads = options_.threads;
+  fit_options_.interrupted = options_.interrupted;
+}
+
+void Search::run_nominal() {
+  calibrate();
+  lack_ = judge(fits_.front());
+}
+
+std::size_t Search::best() const {
+  return static_cast<std::size_t>(std::min_element(fits_.begin(), fits_.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); }) -
+                                  fits_.begin());
+}
+
+void Search::run() {
+  run_nominal();
+  constexpr int rounds = 3;
+  for (int round = 0; round < rounds && !stopped(); ++round) {
+    fit_singles();
+    if (!stopped() && lack_.p <= level) fit_pairs();
+    if (!stopped() && lack_.p <= level) fit_numerics();
+    if (stopped() || !guard()) return;
+    left_.clear();
+    lack_ = judge(fits_.front());
+  }
+}
+
+bool Search::stopped() {
+  if (options_.interrupted && options_.interrupted()) interrupted_ = true;
+  return interrupted_;
+}
+
+void Search::tell(const std::string& stage, double done, double total) const {
+  if (options_.progress) options_.progress(stage, done, total);
+}
+
+/// Step 2: from several starts of every constant that nobody measured.
+void Search::calibrate() {
+  const Layout layout = problem_.layout({});
+  Fit best = minimise(problem_, start_of(problem_, layout, train_), fit_options_);
+  for (std::size_t i = 0; i < layout.shared.size() && !stopped(); ++i) {
+    tell("calibrating the nominal scene", static_cast<double>(i), static_cast<double>(layout.shared.size()));
+    for (const double share : {0.05, 0.2, 0.6}) {
+      Fit start = best;
+      const Parameter& p = layout.shared[i];
+      start.shared[static_cast<Eigen::Index>(i)] = p.lower + share * (std::min(p.upper, p.lower + 10 * std::max(1.0, std::abs(p.start))) - p.lower);
+      Fit other = minimise(problem_, start, fit_options_);
+      if (other.chi2 < best.chi2 - gains_to_matter) best = std::move(other);  // a constant that does nothing stays where it was
+    }
+  }
+  fits_.assign(1, std::move(best));
+}
+
+/// Steps 4 and 5 about any fit.
+LackOfFit Search::judge(const Fit& fit) {
+  LackOfFit lack;
+  const Nuisance nuisance(problem_, fit);
+  const auto wanted = [&only = options_.candidates](const Term& term) {
+    return only.empty() || std::find(only.begin(), only.end(), term.row->name) != only.end();
+  };
+  std::vector<Term> terms;
+  for (const Term& term : possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale()))
+    if (!holds(fit.layout.hypothesis, term) && wanted(term)) terms.push_back(term);
+  lack.screened = screen_about(fit, nuisance, terms);
+  for (const Screened& s : lack.screened) lack.deviate = std::max(lack.deviate, s.deviate);
+  lack.p_effects = null_of(probes_of(lack.screened), nuisance.size(), options_.replicas, options_.seed).p(lack.deviate);
+  tell("locating the mismatch", 0, 1);
+  lack.where = locate(problem_, fit, nuisance, options_.located_runs, options_.replicas, options_.seed);
+  const double p_where = lack.where.empty() ? 1 : lack.where.front().p;
+  for (const Located& l : lack.where) lack.deviate = std::max(lack.deviate, l.deviate);
+  lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));
+  return lack;
+}
+
+std::vector<Screened> Search::screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms) {
+  std::vector<Screened> screened(terms.size());
+  std::atomic<int> done{0};
+  std::mutex mutex;
+  const std::string stage = fit.layout.hypothesis.terms.empty() ? "screening candidates" : "screening a second effect";
+  side_by_side(terms.size(), options_.threads, [&](std::size_t i) {
+    screened[i] = screen(problem_, fit, nuisance, terms[i], profile_points);
+    const std::lock_guard lock(mutex);
+    tell(stage, ++done, static_cast<double>(terms.size()));
+  });
+  std::stable_sort(screened.begin(), screened.end(), [](const Screened& a, const Screened& b) { return a.reached < b.reached; });
+  return screened;
+}
+
+/// The fit of `base` with more terms, begun where the screening reached most; where the base is poor also from the start values as
+/// read off the data; and from nothing, so that it is never worse than `base` (step 3).
+Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const {
+  Hypothesis hypothesis = base.layout.hypothesis;
+  for (const Screened* s : terms) hypothesis.terms.push_back(s->term);
+  Layout layout = problem_.layout(hypothesis);
+  FitOptions options = fit_options_;
+  options.iterations = iterations;
+  const auto begin = [&](bool at_screened, bool from_data) {
+    Fit start = start_of(problem_, layout, train_);
+    start.shared.head(base.shared.size()) = base.shared;
+    Eigen::Index at = base.shared.size();
+    for (const Screened* s : terms) {
+      for (std::size_t i = 0; at_screened && i < s->shared_start.size(); ++i) start.shared[at + static_cast<Eigen::Index>(i)] = s->shared_start[i];
+      at += static_cast<Eigen::Index>(s->shared_start.size());
+    }
+    for (std::size_t run = 0; run < start.own.size() && !from_data; ++run) start.own[run].head(base.own[run].size()) = base.own[run];
+    return minimise(problem_, start, options);
+  };
+  Fit best = begin(true, false);
+  if (base.per_dof() > poor_fit || terms.front()->from_data)
+    if (Fit other = begin(true, true); other.chi2 < best.chi2) best = std::move(other);
+  if (best.chi2 > base.chi2 - gains_to_matter)
+    if (Fit other = begin(false, false); other.chi2 < best.chi2) best = std::move(other);
+  return best;
+}
+
+Fit Search::improved(const Fit& fit) const { return minimise(problem_, fit, fit_options_); }
+
+bool Search::known(const Hypothesis& hypothesis) const {
+  const auto same = [&](const Fit& fit) {
+    return fit.layout.hypothesis.terms.size() == hypothesis.terms.size() &&
+           std::all_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return holds(fit.layout.hypothesis, t); });
+  };
+  return std::any_of(fits_.begin(), fits_.end(), same);
+}
+
+void Search::keep(Fit fit) {
+  if (std::isfinite(fit.chi2)) fits_.push_back(std::move(fit));
+}
+
+/// Step 7: a short fit of twice as many as are wanted, then the best of these to the end.
+void Search::fit_singles() {
+  const Fit nominal = fits_.front();
+  std::vector<const Screened*> chosen;
+  for (const Screened& s : lack_.screened)
+    if (!s.probes.empty() && !known({{s.term}}) && chosen.size() < 2 * static_cast<std::size_t>(options_.joint_fits)) chosen.push_back(&s);
+  std::vector<Fit> begun;
+  for (std::size_t i = 0; i < chosen.size() && !stopped(); ++i) {
+    tell("trying " + chosen[i]->term.row->name, static_cast<double>(i), static_cast<double>(chosen.size()));
+    begun.push_back(extended(nominal, {chosen[i]}, short_fit));
+  }
+  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  if (begun.size() > static_cast<std::size_t>(options_.joint_fits)) begun.resize(static_cast<std::size_t>(options_.joint_fits));
+  for (std::size_t i = 0; i < begun.size() && !stopped(); ++i) {
+    tell("fitting " + begun[i].layout.hypothesis.label(), static_cast<double>(i), static_cast<double>(begun.size()));
+    keep(improved(begun[i]));
+  }
+}
+
+const LackOfFit& Search::left_by(std::size_t fit) {
+  if (fit == 0) return lack_;
+  const std::string label = fits_[fit].layout.hypothesis.label();
+  const auto found = left_.find(label);
+  return found != left_.end() ? found->second : left_.emplace(label, judge(fits_[fit])).first->second;
+}
+
+/// Second terms beside the best singles, while what these leave is more than noise; and pairs that help only together.
+void Search::fit_pairs() {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 1; i < fits_.size(); ++i)
+    if (fits_[i].layout.hypothesis.terms.size() == 1) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth(fits_[a]) < worth(fits_[b]); });
+  if (!order.empty() && left_by(order.front()).p > level) return;
+  std::vector<Fit> begun;
+  const auto try_pair = [&](const Fit& base, const std::vector<const Screened*>& terms) {
+    Hypothesis pair = base.layout.hypothesis;
+    for (const Screened* s : terms) pair.terms.push_back(s->term);
+    if (known(pair) || stopped()) return;
+    tell("trying " + pair.label(), static_cast<double>(begun.size()), static_cast<double>((bases_of_pairs + 1) * pairs_each));
+    begun.push_back(extended(base, terms, short_fit));
+  };
+  for (std::size_t n = 0; n < std::min(bases_of_pairs, order.size()) && !stopped(); ++n) {
+    const Fit base = fits_[order[n]];
+    const LackOfFit& left = left_by(order[n]);
+    std::size_t tried = 0;
+    for (const Screened& s : left.screened) {
+      if (tried == pairs_each || left.p_effects > level) break;
+      if (s.probes.empty() || s.term.row == base.layout.hypothesis.terms.front().row) continue;
+      try_pair(base, {&s});
+      ++tried;
+    }
+  }
+  const Nuisance nuisance(problem_, fits_.front());
+  const std::vector<ScreenedPair> together = screen_pairs(lack_.screened, nuisance.residual(), pair_gain);
+  for (std::size_t i = 0; i < std::min(pairs_each, together.size()); ++i)
+    try_pair(fits_.front(), {&lack_.screened[together[i].first], &lack_.screened[together[i].second]});
+  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  for (std::size_t i = 0; i < std::min<std::size_t>(4, begun.size()) && !stopped(); ++i)
+    if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
+}
+
+/// Does the mismatch go away with a quarter of the step, or with a tenth of the tolerance?
+void Search::fit_numerics() {
+  for (const char* name : {"time_step", "solver_tolerance"}) {
+    Fit start = fits_.front();
+    start.layout.hypothesis.terms = {{find_effect(name), ""}};
+    if (known(start.layout.hypothesis)) continue;
+    tell("a finer simulation", 0, 1);
+    (std::string(name) == "time_step" ? start.layout.step_factor : start.layout.tolerance_factor) = std::string(name) == "time_step" ? 0.25 : 0.1;
+    keep(improved(start));
+  }
+}
+
+/// Step 3, the other way: the nominal begun where each candidate ended. If that gains, all fits are begun again from there.
+bool Search::guard() {
+  const Fit before = fits_.front();
+  for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
+    tell("the nominal scene from where candidates ended", static_cast<double>(m), static_cast<double>(fits_.size()));
+    Fit start = before;
+    start.shared = fits_[m].shared.head(before.shared.size());
+    for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] = fits_[m].own[run].head(before.own[run].size());
+    if (Fit again = improved(start); again.chi2 < fits_.front().chi2) fits_.front() = std::move(again);
+  }
+  // Less than this changes no verdict.
+  if (!(fits_.front().chi2 < before.chi2 - std::max(gains_to_matter, 1e-3 * before.chi2))) return false;
+  ++improved_;
+  for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
+    Fit start = fits_[m];
+    start.shared.head(before.shared.size()) = fits_.front().shared;
+    for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run].head(before.own[run].size()) = fits_.front().own[run];
+    if (Fit again = improved(start); again.chi2 < fits_[m].chi2) fits_[m] = std::move(again);
+  }
+  return true;
+}
+
+}  // namespace repose::diagnosis

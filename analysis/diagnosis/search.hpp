@@ -1,0 +1,80 @@
+#pragma once
+/// The search for hypotheses that explain the recordings: calibration, screening, joint fits, pairs, numerics, and the guard of the
+/// nested optimum.
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/locate.hpp"
+#include "analysis/diagnosis/screen.hpp"
+
+namespace repose::diagnosis {
+
+struct SearchOptions {
+  int threads = 1;
+  std::uint64_t seed = 1;
+  int replicas = 499;
+  int joint_fits = 6;       ///< candidates of the screening that are fitted to the end
+  int located_runs = 4;
+  std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
+  std::function<void(const std::string& stage, double done, double total)> progress;
+  std::function<bool()> interrupted;
+};
+
+/// How badly a fit fails: the probe that stands out most, over all effects and over an unknown force in all segments.
+struct LackOfFit {
+  std::vector<Screened> screened;  ///< of the effects that the fit does not have, by `reached`
+  std::vector<Located> where;
+  double deviate = 0;              ///< the largest of both
+  double p_effects = 1;            ///< of the screening alone
+  double p = 1;                    ///< of both, corrected for being two
+};
+
+class Search {
+ public:
+  /// `problem` must outlive the search; `train`: the runs that are fitted.
+  Search(const Problem& problem, std::vector<std::size_t> train, SearchOptions options);
+
+  /// All steps. After an interruption what was found so far is there.
+  void run();
+  /// The nominal alone: calibration and its lack of fit.
+  void run_nominal();
+
+  const std::vector<Fit>& fits() const { return fits_; }  ///< [0]: nominal; others in the order in which they were tried
+  const LackOfFit& lack_of_fit() const { return lack_; }  ///< of the nominal
+  /// What the fit leaves; computed when it is first asked for.
+  const LackOfFit& left_by(std::size_t fit);
+  /// The fit of smallest chi^2 + 2 parameters.
+  std::size_t best() const;
+  bool interrupted() const { return interrupted_; }
+  int nominal_improved() const { return improved_; }      ///< times that the guard found a better nominal fit
+
+ private:
+  bool stopped();
+  void tell(const std::string& stage, double done, double total) const;
+  void calibrate();
+  LackOfFit judge(const Fit& fit);
+  std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms);
+  Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;
+  Fit improved(const Fit& fit) const;
+  void keep(Fit fit);
+  bool known(const Hypothesis& hypothesis) const;
+  void fit_singles();
+  void fit_pairs();
+  void fit_numerics();
+  bool guard();
+
+  const Problem& problem_;
+  std::vector<std::size_t> train_;
+  SearchOptions options_;
+  FitOptions fit_options_;
+  std::vector<Fit> fits_;
+  LackOfFit lack_;
+  std::map<std::string, LackOfFit> left_;  ///< by the hypothesis' label
+  bool interrupted_ = false;
+  int improved_ = 0;
+};
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,123 @@
+#include "analysis/diagnosis/uncertainty.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "core/random.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double ninety = 1.645;               // standard errors
+constexpr double rise = ninety * ninety;       // of chi^2 at the end of the interval
+constexpr double close = 0.05;                 // of the rise, relative
+constexpr int trials = 8;
+constexpr std::size_t least_runs = 6;
+constexpr int bootstrap_replicas = 999;
+constexpr std::uint64_t stream = 91;
+
+/// Distance from the fit, in the direction of `sign`, at which the profile has risen.
+double reach(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const FitOptions& options, double sign) {
+  const auto k = static_cast<Eigen::Index>(index);
+  const Parameter& p = fit.layout.shared[index];
+  const double most = sign > 0 ? p.upper - fit.shared[k] : fit.shared[k] - p.lower, wanted = rise * scale * scale;
+  if (!(most > 0)) return 0;
+  FitOptions pinned = options;
+  pinned.pinned = static_cast<int>(index);
+  Fit from = fit;
+  double inside = 0, outside = most, inside_rise = 0, at = std::min(most, ninety * se > 0 ? ninety * se : p.step);
+  bool bracketed = false;
+  for (int trial = 0; trial < trials; ++trial) {
+    Fit start = from;
+    start.shared[k] = fit.shared[k] + sign * at;
+    const Fit held = minimise(problem, start, pinned);
+    const double risen = held.chi2 - fit.chi2;
+    if (std::abs(risen / wanted - 1) < close) return at;
+    if (risen < wanted) {
+      if (at >= most) return most;
+      inside = at;
+      inside_rise = std::max(0.0, risen);
+      from = held;
+    } else {
+      outside = at;
+      bracketed = true;
+    }
+    // A parabola through the fit and this point; then halves, if that leaves the bracket.
+    double next = std::isfinite(risen) && risen > 0 ? at * std::sqrt(wanted / risen) : 2 * at;
+    if (!bracketed) next = std::clamp(next, 1.2 * at, 4 * at);
+    if (bracketed && !(next > inside + 0.05 * (outside - inside) && next < outside - 0.05 * (outside - inside))) next = 0.5 * (inside + outside);
+    at = std::min(next, most);
+  }
+  return bracketed ? 0.5 * (inside + outside) : inside_rise > 0 ? std::min(most, inside * std::sqrt(wanted / inside_rise)) : most;
+}
+
+}  // namespace
+
+Interval profile_interval(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const FitOptions& options) {
+  const double value = fit.shared[static_cast<Eigen::Index>(index)];
+  return {value - reach(problem, fit, index, se, scale, options, -1), value + reach(problem, fit, index, se, scale, options, 1)};
+}
+
+std::vector<Interval> run_bootstrap(const Problem& problem, const Fit& fit, int replicas, std::uint64_t seed) {
+  const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
+  if (fit.runs.size() < least_runs || n == 0) return {};
+  std::vector<Eigen::MatrixXd> information;
+  std::vector<Eigen::VectorXd> slope;
+  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+    const RunJacobian j = jacobian(problem, fit, fit.runs[i]);
+    Eigen::MatrixXd s = j.shared;
+    if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
+    information.push_back(s.transpose() * s);
+    slope.push_back(s.transpose() * fit.residual[i]);
+  }
+  Random random(seed, stream);
+  std::vector<std::vector<double>> drawn(static_cast<std::size_t>(n));
+  for (int b = 0; b < replicas; ++b) {
+    Eigen::MatrixXd total = Eigen::MatrixXd::Zero(n, n);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+    for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+      const auto run = static_cast<std::size_t>(random.below(fit.runs.size()));
+      total += information[run];
+      right += slope[run];
+    }
+    const Eigen::VectorXd moved = fit.shared - total.completeOrthogonalDecomposition().solve(right);
+    for (Eigen::Index k = 0; k < n; ++k) drawn[static_cast<std::size_t>(k)].push_back(moved[k]);
+  }
+  std::vector<Interval> intervals;
+  for (std::size_t k = 0; k < drawn.size(); ++k) {
+    std::sort(drawn[k].begin(), drawn[k].end());
+    const auto at = [&](double share) { return drawn[k][static_cast<std::size_t>(share * static_cast<double>(drawn[k].size() - 1))]; };
+    const Parameter& p = fit.layout.shared[k];
+    intervals.push_back({std::clamp(at(0.05), p.lower, p.upper), std::clamp(at(0.95), p.lower, p.upper)});
+  }
+  return intervals;
+}
+
+std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit, double scale, bool profiled, std::uint64_t seed,
+                                         const FitOptions& options) {
+  const Eigen::VectorXd se = standard_errors(problem, fit, scale);
+  const std::vector<Interval> over_runs = run_bootstrap(problem, fit, bootstrap_replicas, seed);
+  std::vector<ParameterEstimate> result;
+  for (std::size_t i = 0; i < fit.layout.shared.size(); ++i) {
+    const Parameter& p = fit.layout.shared[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    ParameterEstimate e;
+    e.name = p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component);
+    e.unit = p.unit;
+    e.effect = p.effect;
+    e.value = fit.shared[k];
+    Interval interval{std::max(p.lower, e.value - ninety * se[k]), std::min(p.upper, e.value + ninety * se[k])};
+    if (profiled) interval = profile_interval(problem, fit, i, se[k], scale, options);
+    e.lower = interval.lower;
+    e.upper = interval.upper;
+    if (!over_runs.empty()) e.over_runs = over_runs[i];
+    result.push_back(e);
+  }
+  return result;
+}
+
+}  // namespace repose::diagnosis

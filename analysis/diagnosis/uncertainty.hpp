@@ -1,0 +1,34 @@
+#pragma once
+/// How well the data determine the parameters of a fit.
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/fit.hpp"
+
+namespace repose::diagnosis {
+
+struct Interval {
+  double lower = 0, upper = 0;
+};
+
+/// 90 % interval of the profile likelihood of shared parameter `index`: where the smallest chi^2 over all other parameters is
+/// 2.706 scale^2 above the fit's. `se`: a first guess of the standard error. Ends at a bound of the parameter where the profile does not rise
+/// that far.
+Interval profile_interval(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const FitOptions& options);
+
+/// 90 % intervals of all shared parameters from `replicas` resamplings of the runs with replacement, each with one Gauss-Newton step
+/// from the fit:  delta = -(sum J^T J)^-1 sum J^T r over the drawn runs, start values projected out. Empty with fewer than six runs.
+std::vector<Interval> run_bootstrap(const Problem& problem, const Fit& fit, int replicas, std::uint64_t seed);
+
+struct ParameterEstimate {
+  std::string name, unit, effect;
+  double value = 0, lower = 0, upper = 0;   ///< 90 %: of the profile likelihood
+  std::optional<Interval> over_runs;        ///< 90 %: of the bootstrap over runs
+};
+
+/// `scale`: of the residuals, in units of the noise. `profiled`: whether intervals come from the profile, or from the curvature alone.
+std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit, double scale, bool profiled, std::uint64_t seed,
+                                         const FitOptions& options);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,51 @@
+#!/bin/sh
+# A recording of a world that has more than the scene that goes with it, diagnosed: the truth runs at a finer step.
+#
+#   diagnosis_test.sh CASE BIN_DIR CHECK SOURCE_TREE WORK_DIR
+set -eu
+case=$1 bin=$2 check=$3 source=$4 work=$5/$1
+export OMP_WAIT_POLICY=passive
+rm -rf -- "$work"
+mkdir -p -- "$work"
+
+# Records a scene with what is given by --set.
+record() { "$bin/repose-record" "$@" --seed 3 --quiet --out "$work/bundle" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; }
+diagnose() {
+  "$bin/repose-diagnose" "$work/bundle" --replicas 199 --threads 1 --quiet --out "$work/out" "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+}
+finer=', solver.time_step: 5.0e-4, solver.tolerance: 1.0e-7'
+
+case $case in
+  rolling)
+    record "$source/scenarios/configs/concealed_roll.yaml"
+    diagnose
+    "$check" "$work/out" "$work/bundle" missing rolling_friction pairs.rubber-stone.rolling_friction 0.06
+    ;;
+  drag)
+    record "$source/tests/diagnosis/thrown.yaml" --set "record.conceal={effects.quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}$finer}"
+    diagnose
+    "$check" "$work/out" "$work/bundle" missing quadratic_drag effects.quadratic_drag.coefficient 0.47
+    ;;
+  nothing)
+    record "$source/tests/diagnosis/thrown.yaml"
+    diagnose
+    "$check" "$work/out" "$work/bundle" none
+    ;;
+  ruler)
+    record "$source/tests/diagnosis/thrown.yaml"
+    # A ruler that reads 3 % too much.
+    for file in "$work"/bundle/*.csv; do
+      awk -F, 'BEGIN { OFS = "," } NR > 1 { for (i = 3; i <= 5; ++i) $i = sprintf("%.9g", 1.03 * $i) } { print }' "$file" >"$file.scaled"
+      mv -- "$file.scaled" "$file"
+    done
+    diagnose
+    "$check" "$work/out" "$work/bundle" measurement length_scale length_scale.factor 1.03
+    ;;
+  window)
+    record "$source/tests/diagnosis/lands.yaml"
+    diagnose
+    "$check" "$work/out" "$work/bundle" missing rate_dependent_friction effects.rate_dependent_friction.slope 0.08
+    # It acts while the block slides, not in flight.
+    tr -d ' \n' <"$work/out/diagnosis.json" | grep -o '"where":\[{[^}]*}' | grep -q '"phase":"sliding"' || { echo 'FAILED: not located in sliding' >&2; exit 1; }
+    ;;
+esac

@@ -1,0 +1,232 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "analysis/diagnosis/bootstrap.hpp"
+#include "analysis/diagnosis/score.hpp"
+#include "analysis/diagnosis/uncertainty.hpp"
+#include "core/error.hpp"
+#include "tests/unit/flight_bundle.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+std::vector<std::size_t> all(const Bundle& bundle) {
+  std::vector<std::size_t> runs(bundle.runs.size());
+  std::iota(runs.begin(), runs.end(), std::size_t{0});
+  return runs;
+}
+
+FitOptions steps(int iterations) {
+  FitOptions options;
+  options.iterations = iterations;
+  return options;
+}
+
+Hypothesis of(const std::string& effect) { return {{{find_effect(effect), ""}}}; }
+
+TEST(Fit, OfFreeFlightIsTheStraightLineOfLeastSquares) {
+  const Bundle bundle = flights({.noise = 2e-3});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout({}), all(bundle)), {});
+  for (std::size_t run = 0; run < bundle.runs.size(); ++run) {
+    const Observation& o = bundle.runs[run].observations[0];
+    for (int k = 0; k < 3; ++k) {
+      // x - x0 - g t^2 / 2 = v t: the slope through the origin.
+      double tt = 0, tx = 0;
+      for (std::size_t i = 0; i < o.time.size(); ++i) {
+        const double t = o.time[i], fall = k == 2 ? 10 - 0.5 * 9.81 * t * t : 0;
+        tt += t * t;
+        tx += t * (o.position[i][k] - fall);
+      }
+      EXPECT_NEAR(fit.own[run][k], tx / tt, 2e-5) << run << " " << k;
+    }
+  }
+  EXPECT_NEAR(fit.per_dof(), 1, 0.3);
+  EXPECT_EQ(fit.parameters, 12);
+}
+
+TEST(Fit, FindsADragCoefficientFromFarAway) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  Fit start = start_of(problem, problem.layout(of("quadratic_drag")), all(bundle));
+  start.shared[0] = 0.05;
+  const Fit fit = minimise(problem, start, steps(30));
+  const double se = standard_errors(problem, fit, 1)[0];
+  EXPECT_LT(se, 0.02);
+  EXPECT_NEAR(fit.shared[0], 0.47, 4 * se);
+  EXPECT_LT(fit.per_dof(), 1.3);
+}
+
+TEST(Fit, StaysWithinBounds) {
+  // Buoyancy has no negative density: gravity that is too large in the recorded world drives it to its lower bound.
+  const Bundle bundle = flights({.truth = "{uniform_force: {force: [0, 0, -0.002]}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  Fit start = start_of(problem, problem.layout(of("buoyancy")), all(bundle));
+  start.shared[0] = 1;
+  const Fit fit = minimise(problem, start, steps(50));
+  EXPECT_GE(fit.shared[0], fit.layout.shared[0].lower);
+  EXPECT_LT(fit.shared[0], 0.1);
+}
+
+TEST(Fit, WithFrozenPhysicsTurnsOnlyTheRunsOwnValues) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  Fit start = start_of(problem, problem.layout(of("quadratic_drag")), {0, 1});
+  start.shared[0] = 0.3;
+  const Fit held = minimise_own(problem, start, {2, 3}, {});
+  EXPECT_EQ(held.shared[0], 0.3);
+  EXPECT_EQ(held.runs, (std::vector<std::size_t>{2, 3}));
+  EXPECT_EQ(held.own[0], start.own[0]);
+  EXPECT_NE(held.own[2], start.own[2]);
+}
+
+/// The ball explodes where its start is faster than 3.02 m/s along x: just beside the truth of the first run.
+History explosive(const SimulationRequest& request) {
+  if (request.scene->bodies[0].velocity.x() > 3.02 && request.scene->bodies[0].velocity.x() < 3.5)
+    throw Error("", "exploded", "", Error::Kind::simulation);
+  return fly(request);
+}
+
+TEST(Fit, WalksAroundPointsThatCannotBeSimulated) {
+  const Bundle bundle = flights({.noise = 1e-4, .rate = 100});
+  const Problem problem(bundle, {0}, explosive);
+  Fit start = start_of(problem, problem.layout({}), {0});
+  start.own[0][0] = 2.5;
+  const Fit fit = minimise(problem, start, steps(50));
+  EXPECT_NEAR(fit.own[0][0], 3, 0.01);
+  EXPECT_LT(fit.per_dof(), 2);
+}
+
+TEST(Fit, BegunWhereNothingRunsIsHandedBack) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, {0}, explosive);
+  Fit start = start_of(problem, problem.layout({}), {0});
+  start.own[0][0] = 3.2;
+  const Fit fit = minimise(problem, start, {});
+  EXPECT_TRUE(std::isinf(fit.chi2));
+  EXPECT_EQ(fit.own[0][0], 3.2);
+}
+
+TEST(Jacobian, AgreesWithTheClosedForm) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout(of("uniform_force")), all(bundle)), {});
+  const RunJacobian j = jacobian(problem, fit, 1);
+  ASSERT_EQ(j.own.cols(), 3);
+  ASSERT_EQ(j.shared.cols(), 3);
+  const double mass = 4.0 / 3 * 3.14159265358979 * 8e-6 * 50;
+  for (const Channel& c : problem.runs()[1].channels)
+    for (std::size_t i = 0; i < c.time.size(); ++i)
+      for (int k = 0; k < 3; ++k) {
+        const double t = c.time[i], same = k == c.axis ? 1 : 0;
+        const Eigen::Index at = c.first + static_cast<Eigen::Index>(i);
+        EXPECT_NEAR(j.own(at, k), same * t / c.noise, 1e-4 / c.noise);
+        EXPECT_NEAR(j.shared(at, k), same * 0.5 * t * t / mass / c.noise, 1e-3 / mass / c.noise);
+      }
+}
+
+TEST(Intervals, OfAProfileAreThoseOfTheCurvatureWhereTheModelIsLinear) {
+  const Bundle bundle = flights({.truth = "{uniform_force: {force: [0.001, 0, 0]}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout(of("uniform_force")), all(bundle)), {});
+  const double se = standard_errors(problem, fit, 1)[0];
+  const Interval interval = profile_interval(problem, fit, 0, 0.4 * se, 1, {});  // a bad first guess
+  EXPECT_NEAR(interval.upper - fit.shared[0], 1.645 * se, 0.08 * se);
+  EXPECT_NEAR(fit.shared[0] - interval.lower, 1.645 * se, 0.08 * se);
+  const Interval wide = profile_interval(problem, fit, 0, se, 3, {});
+  EXPECT_NEAR(wide.upper - fit.shared[0], 3 * 1.645 * se, 0.25 * se);
+}
+
+TEST(Intervals, OfAProfileEndAtABound) {
+  // Nothing but noise: zero viscosity is as good as little, so that the lower end is the bound.
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  Fit start = start_of(problem, problem.layout(of("linear_drag")), all(bundle));
+  start.shared[0] = 1e-6;
+  const Fit fit = minimise(problem, start, {});
+  const Interval interval = profile_interval(problem, fit, 0, 1e-6, 1, {});
+  EXPECT_DOUBLE_EQ(interval.lower, fit.layout.shared[0].lower);
+  // A coefficient that moves the record by its noise is somewhere near 1e-4 Pa s; the profile is searched in steps of a factor.
+  EXPECT_LT(interval.upper, fit.layout.shared[0].upper);
+  EXPECT_GT(interval.upper, 2e-5);
+}
+
+TEST(Intervals, CoverTheTruthAsOftenAsTheySay) {
+  int covered = 0;
+  constexpr int cases = 60;
+  for (int n = 0; n < cases; ++n) {
+    const Bundle bundle = flights({.velocities = {{3, 0, 2}, {2, 1, 3}}, .seed = static_cast<std::uint64_t>(100 + n), .truth = "{uniform_force: {force: [0.001, 0, 0]}}"});
+    const Problem problem(bundle, all(bundle), fly);
+    const Fit fit = minimise(problem, start_of(problem, problem.layout(of("uniform_force")), all(bundle)), {});
+    const Interval interval = profile_interval(problem, fit, 0, standard_errors(problem, fit, 1)[0], 1, {});
+    covered += interval.lower <= 0.001 && 0.001 <= interval.upper;
+  }
+  // 54 expected; binomial limits of 0.1 %.
+  EXPECT_GE(covered, 45);
+  EXPECT_LE(covered, 60);
+}
+
+TEST(Intervals, OfTheRunsNeedSixAndAreOfTheSameSize) {
+  Flights f{.truth = "{uniform_force: {force: [0.001, 0, 0]}}"};
+  const Bundle few = flights(f);
+  const Problem of_few(few, all(few), fly);
+  EXPECT_TRUE(run_bootstrap(of_few, start_of(of_few, of_few.layout(of("uniform_force")), all(few)), 99, 1).empty());
+  f.velocities.clear();
+  for (int i = 0; i < 20; ++i) f.velocities.emplace_back(2 + 0.1 * i, 0.1 * i, 3 - 0.1 * i);
+  const Bundle many = flights(f);
+  const Problem problem(many, all(many), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout(of("uniform_force")), all(many)), {});
+  const double se = standard_errors(problem, fit, 1)[0];
+  const std::vector<Interval> intervals = run_bootstrap(problem, fit, 999, 1);
+  ASSERT_EQ(intervals.size(), 3u);
+  EXPECT_GT(intervals[0].upper - intervals[0].lower, 0.5 * 2 * 1.645 * se);
+  EXPECT_LT(intervals[0].upper - intervals[0].lower, 1.6 * 2 * 1.645 * se);
+  EXPECT_LT(intervals[0].lower, fit.shared[0]);
+  EXPECT_GT(intervals[0].upper, fit.shared[0]);
+}
+
+TEST(Replica, IsTheNominalPredictionWithNewNoise) {
+  const Bundle bundle = flights({.truth = "{uniform_force: {force: [0.002, 0, 0]}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout({}), all(bundle)), {});
+  EXPECT_GT(fit.per_dof(), 1.5);
+  const Bundle replica = replica_of(problem, fit, 1, 0);
+  ASSERT_EQ(replica.runs.size(), 4u);
+  const Problem again(replica, all(replica), fly);
+  const Fit refit = minimise(again, start_of(again, again.layout({}), all(replica)), {});
+  EXPECT_NEAR(refit.per_dof(), 1, 0.3);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(refit.own[0][k], fit.own[0][k], 0.01);
+  EXPECT_NE(replica_of(problem, fit, 1, 1).runs[0].observations[0].position[5], replica.runs[0].observations[0].position[5]);
+  EXPECT_EQ(replica_of(problem, fit, 1, 0).runs[0].observations[0].position[5], replica.runs[0].observations[0].position[5]);
+}
+
+TEST(Score, IsTheLikelihoodAndTheErrorInSi) {
+  const Bundle bundle = flights({.noise = 1e-3, .rate = 200});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout({}), all(bundle)), {});
+  const Score score = score_of(problem, fit);
+  EXPECT_NEAR(score.rmse.at("position"), 1e-3, 1e-4);
+  EXPECT_DOUBLE_EQ(score.chi2_per_dof, fit.chi2 / static_cast<double>(fit.samples - 12));
+  double sum = 0;
+  for (const double x : score.per_run) sum += x;
+  EXPECT_NEAR(score.log_likelihood, sum, 1e-9);
+  EXPECT_NEAR(sum, -0.5 * static_cast<double>(fit.samples) * std::log(2 * 3.14159265358979) - 0.5 * fit.chi2, 1e-6);
+}
+
+TEST(Score, OfTwoModelsIsPairedByRun) {
+  Score nominal, extended;
+  nominal.per_run = {-10, -20, -30, -40};
+  extended.per_run = {-8, -17, -28, -37};
+  const PairedGain gain = paired_gain(nominal, extended);
+  // Differences 2, 3, 2, 3: mean 2.5, standard deviation 0.577, t = 8.66 with three degrees of freedom.
+  EXPECT_NEAR(gain.effect_size, 2.5 / 0.57735, 1e-4);
+  EXPECT_NEAR(gain.p, 0.0016, 2e-4);
+  EXPECT_NEAR(paired_gain(extended, nominal).p, 1 - gain.p, 1e-9);
+  nominal.per_run = extended.per_run = {-1};
+  EXPECT_EQ(paired_gain(nominal, extended).p, 1);
+}
+
+}  // namespace
+}  // namespace repose::diagnosis

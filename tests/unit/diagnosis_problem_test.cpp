@@ -1,0 +1,289 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "analysis/diagnosis/problem.hpp"
+#include "core/error.hpp"
+#include "core/yaml_tree.hpp"
+#include "tests/unit/flight_bundle.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr double degree = 0.017453292519943295;
+
+std::vector<std::size_t> all(const Bundle& bundle) {
+  std::vector<std::size_t> runs;
+  for (std::size_t i = 0; i < bundle.runs.size(); ++i) runs.push_back(i);
+  return runs;
+}
+
+/// A history of the ball at given positions and orientations, a step apart.
+History path(const std::vector<Vec3>& position, double step, const Quat& orientation = Quat::Identity()) {
+  History h;
+  BodyTrack& track = h.bodies["ball"];
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    h.time.push_back(static_cast<double>(i) * step);
+    track.position.push_back(position[i]);
+    track.orientation.push_back(orientation);
+    const std::size_t a = i == 0 ? 0 : i - 1, b = i == 0 ? 1 : i;
+    track.velocity.emplace_back((position[b] - position[a]) / step);
+    track.spin.emplace_back(0, 0, 0);
+  }
+  return h;
+}
+
+Channel channel(const std::string& observable, int axis, const std::vector<double>& time, Eigen::Index first) {
+  Channel c;
+  c.observable = observable;
+  c.body = "ball";
+  c.axis = axis;
+  c.time = time;
+  for (std::size_t i = 0; i < time.size(); ++i) c.at.push_back(i);
+  c.first = first;
+  return c;
+}
+
+/// The ball moves with v from x0; the recording holds `recorded(t)` at `time`.
+class Recorded : public ::testing::Test {
+ protected:
+  const Vec3 x0{1, 2, 3}, v{0.5, -1, 2};
+  const std::vector<double> time{0.2, 0.4, 0.6};
+  Vec3 truth(double t) const { return x0 + t * v; }
+  History history() const {
+    std::vector<Vec3> x;
+    for (int i = 0; i <= 100; ++i) x.push_back(truth(0.01 * i));
+    return path(x, 0.01);
+  }
+  template <class F>
+  Eigen::VectorXd residual(F&& recorded, const Measurement& m) const {
+    BundleRun run;
+    Observation o;
+    o.body = "ball";
+    o.time = time;
+    for (const double t : time) o.position.push_back(recorded(t));
+    run.observations = {o};
+    const std::vector<Channel> channels{channel("position", 0, time, 0), channel("position", 1, time, 3), channel("position", 2, time, 6)};
+    return difference(history(), run, channels, m);
+  }
+};
+
+TEST_F(Recorded, LengthsAreTrueOnesTimesAFactor) {
+  Measurement m;
+  m.length = 1.1;
+  EXPECT_LT(residual([&](double t) { return Vec3(1.1 * truth(t)); }, m).norm(), 1e-12);
+  EXPECT_GT(residual([&](double t) { return truth(t); }, m).norm(), 0.1);
+}
+
+TEST_F(Recorded, TimesAreTrueOnesTimesAFactorPlusAnOffset) {
+  Measurement m;
+  m.time = 1.25;
+  m.offset = 0.05;
+  EXPECT_LT(residual([&](double t) { return truth((t - 0.05) / 1.25); }, m).norm(), 1e-12);
+}
+
+TEST_F(Recorded, AxesAreTurnedAgainstTheWorlds) {
+  Measurement m;
+  m.tilt_y = 10;
+  // The recording's z axis leans towards the world's x: what lies along the world's z has a negative part along the recorded x.
+  const double c = std::cos(10 * degree), s = std::sin(10 * degree);
+  const auto turned = [&](double t) { return Vec3(c * truth(t).x() - s * truth(t).z(), truth(t).y(), s * truth(t).x() + c * truth(t).z()); };
+  EXPECT_LT(residual(turned, m).norm(), 1e-12);
+}
+
+TEST_F(Recorded, OrientationsTurnWithTheAxes) {
+  Measurement m;
+  m.tilt_x = 20;
+  const Quat q(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
+  BundleRun run;
+  Observation o;
+  o.body = "ball";
+  o.time = {0.01};
+  o.position = {Vec3::Zero()};
+  o.orientation = {Quat(Eigen::AngleAxisd(-20 * degree, Vec3::UnitX())) * q};
+  run.observations = {o};
+  const History h = path({Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}, 0.01, q);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(difference(h, run, {channel("orientation", k, {0.01}, 0)}, m)[0], 0, 1e-12);
+  EXPECT_NEAR(difference(h, run, {channel("orientation", 0, {0.01}, 0)}, {})[0], 20 * degree, 1e-12);
+}
+
+TEST_F(Recorded, SeriesHaveTheirBiasAndScaleWithLengthAndTime) {
+  BundleRun run;
+  Observation o;
+  o.kind = ObservableKind::series;
+  o.name = "speed";
+  o.body = "ball";
+  o.time = time;
+  Measurement m;
+  m.length = 1.2;
+  m.time = 0.8;
+  m.bias[0] = 0.3;
+  o.value.assign(3, v.norm() * 1.2 / 0.8 + 0.3);
+  run.observations = {o};
+  EXPECT_LT(difference(history(), run, {channel("speed", 0, time, 0)}, m).norm(), 1e-12);
+}
+
+TEST(StartValues, AreReadOffTheFirstSamples) {
+  const Bundle bundle = flights({.noise = 1e-4, .rate = 100});
+  const std::vector<Parameter> start = start_values(bundle.runs[1], parse_yaml(bundle.scene.text, "scene"), {{"position", 1e-4}});
+  ASSERT_EQ(start.size(), 3u);
+  const Vec3 v(2, 1, 3);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(start[static_cast<std::size_t>(k)].key, "bodies.ball.velocity");
+    EXPECT_EQ(start[static_cast<std::size_t>(k)].component, k);
+    // Slope of a parabola through ten samples 0.01 s apart: its standard error is some 0.01 m/s.
+    EXPECT_NEAR(start[static_cast<std::size_t>(k)].start, v[k], 0.04);
+    EXPECT_GT(start[static_cast<std::size_t>(k)].step, 0);
+  }
+}
+
+TEST(StartValues, OfAnAxisThatWasNotObservedAreNotFree) {
+  Bundle bundle = flights({});
+  for (Vec3& x : bundle.runs[0].observations[0].position) x.y() = NAN;
+  const std::vector<Parameter> start = start_values(bundle.runs[0], parse_yaml(bundle.scene.text, "scene"), {});
+  ASSERT_EQ(start.size(), 2u);
+  EXPECT_EQ(start[0].component, 0);
+  EXPECT_EQ(start[1].component, 2);
+}
+
+TEST(Layout, HoldsCalibratedConstantsThenTermsThenStartsThenOwnParameters) {
+  Bundle bundle = flights({});
+  bundle.calibrate = {"pairs.foam-stone.friction"};
+  const Problem problem(bundle, all(bundle), fly);
+  const Layout layout = problem.layout({{{find_effect("quadratic_drag"), ""}, {find_effect("time_offset"), ""}}});
+  ASSERT_EQ(layout.shared.size(), 2u);  // the fluid's density is held: only its product with the coefficient can be seen
+  EXPECT_EQ(layout.shared[0].key, "pairs.foam-stone.friction");
+  EXPECT_EQ(layout.shared[0].start, 0.5);
+  EXPECT_EQ(layout.shared[1].key, "effects.quadratic_drag.coefficient");
+  ASSERT_EQ(layout.per_run.size(), 4u);
+  ASSERT_EQ(layout.per_run[0].size(), 4u);
+  EXPECT_EQ(layout.per_run[0][3].use, Parameter::Use::time_offset);
+}
+
+TEST(Layout, ScenesHoldTheValues) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  const Layout layout = problem.layout({{{find_effect("uniform_force"), ""}}});
+  Values shared(3), own(3);
+  shared << 0.001, 0.002, -0.003;
+  own << 1, 2, 3;
+  const Scene scene = read_scene(problem.scene(layout, 2, shared, own), "scene");
+  ASSERT_EQ(scene.effects.size(), 1u);
+  EXPECT_EQ(std::get<UniformForce>(scene.effects[0]).force, Vec3(0.001, 0.002, -0.003));
+  EXPECT_EQ(scene.bodies[0].velocity, Vec3(1, 2, 3));
+}
+
+TEST(Layout, TheExtendedSceneHasThePhysicsAndNoRunsStart) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  Values shared(1);
+  shared << 0.47;
+  const Scene scene = read_scene(problem.extended_scene(problem.layout({{{find_effect("quadratic_drag"), ""}}}), shared), "scene");
+  ASSERT_EQ(scene.effects.size(), 1u);
+  EXPECT_EQ(std::get<QuadraticDrag>(scene.effects[0]).coefficient, 0.47);
+  EXPECT_EQ(scene.bodies[0].velocity, Vec3(1, 0, 0));
+}
+
+TEST(Problem, ResidualsAreInUnitsOfTheNoise) {
+  Bundle bundle = flights({.noise = 0});
+  bundle.noise["position"] = 0.01;
+  const Problem problem(bundle, all(bundle), fly);
+  const Layout layout = problem.layout({});
+  Values own(3);
+  own << 3, 0, 2;
+  EXPECT_LT(problem.residual(layout, 0, Values(0), own).norm(), 1e-6);
+  own.x() += 0.1;
+  const Eigen::VectorXd r = problem.residual(layout, 0, Values(0), own);
+  const Channel& x = problem.runs()[0].channels[0];
+  for (std::size_t i = 0; i < x.time.size(); ++i) EXPECT_NEAR(r[x.first + static_cast<Eigen::Index>(i)], 0.1 * x.time[i] / 0.01, 1e-6);
+}
+
+TEST(Problem, AFailedSimulationIsNoPointAtAll) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) -> History {
+    if (request.scene->bodies[0].velocity.x() > 10) throw Error("", "exploded", "", Error::Kind::simulation);
+    return fly(request);
+  });
+  const Layout layout = problem.layout({});
+  Values own(3);
+  own << 11, 0, 0;
+  EXPECT_EQ(problem.residual(layout, 0, Values(0), own).size(), 0);
+  own << 3, 0, 2;
+  EXPECT_EQ(problem.residual(layout, 0, Values(0), own).size(), problem.runs()[0].size);
+}
+
+TEST(Problem, AsksForASimulationOnce) {
+  const Bundle bundle = flights({});
+  SimulationStore store;
+  const Problem first(bundle, all(bundle), fly, &store);
+  const Layout layout = first.layout({});
+  Values own(3);
+  own << 3, 0, 2.5;
+  const Eigen::VectorXd r = first.residual(layout, 0, Values(0), own);
+  const std::size_t before = first.simulations();
+  EXPECT_EQ(first.residual(layout, 0, Values(0), own), r);
+  EXPECT_EQ(first.simulations(), before);
+  const Problem second(bundle, all(bundle), fly, &store);
+  EXPECT_EQ(second.residual(layout, 0, Values(0), own), r);
+  EXPECT_EQ(second.simulations(), 0u);
+}
+
+TEST(Problem, WithNothingToCompareIsRefused) {
+  Bundle bundle = flights({});
+  for (Vec3& x : bundle.runs[0].observations[0].position) x.setConstant(NAN);
+  EXPECT_THROW(Problem(bundle, {0}, fly), Error);
+}
+
+class StoreFile : public ::testing::Test {
+ protected:
+  const std::filesystem::path file = std::filesystem::temp_directory_path() /
+                                     ("repose-store-" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+  void TearDown() override { std::filesystem::remove(file); }
+  void fill(SimulationStore& store) const {
+    store.add(1, Eigen::VectorXd::LinSpaced(5, 0, 1));
+    store.add(2, {});
+    store.save();
+  }
+};
+
+TEST_F(StoreFile, ReadsBackWhatItWrote) {
+  SimulationStore store(file, "dvi");
+  fill(store);
+  SimulationStore again(file, "dvi");
+  EXPECT_EQ(again.find(1), Eigen::VectorXd(Eigen::VectorXd::LinSpaced(5, 0, 1)));
+  ASSERT_TRUE(again.find(2).has_value());
+  EXPECT_EQ(again.find(2)->size(), 0);
+  EXPECT_FALSE(again.find(3).has_value());
+}
+
+TEST_F(StoreFile, OfAnotherBuildIsLeftAside) {
+  SimulationStore store(file, "dvi");
+  fill(store);
+  EXPECT_EQ(SimulationStore(file, "bullet").size(), 0u);
+}
+
+TEST_F(StoreFile, DamageIsLeftAside) {
+  SimulationStore store(file, "dvi");
+  fill(store);
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(50).put('x');
+  EXPECT_EQ(SimulationStore(file, "dvi").size(), 0u);
+  std::filesystem::resize_file(file, 30);
+  EXPECT_EQ(SimulationStore(file, "dvi").size(), 0u);
+}
+
+TEST_F(StoreFile, StaysWithinItsBoundAndKeepsWhatIsInUse) {
+  SimulationStore store(file, "dvi", 2000);
+  for (std::uint64_t i = 0; i < 10; ++i) store.add(i, Eigen::VectorXd::Constant(20, static_cast<double>(i)));
+  store.save();
+  SimulationStore again(file, "dvi", 2000);
+  EXPECT_LE(std::filesystem::file_size(file), 2100u);
+  ASSERT_GT(again.size(), 5u);
+  again.add(77, Eigen::VectorXd::Constant(200, 1.0));
+  again.save();
+  EXPECT_TRUE(SimulationStore(file, "dvi").find(77).has_value());
+}
+
+}  // namespace
+}  // namespace repose::diagnosis

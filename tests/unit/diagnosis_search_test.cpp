@@ -1,0 +1,286 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <numeric>
+
+#include "analysis/diagnosis/search.hpp"
+#include "analysis/diagnosis/shape.hpp"
+#include "core/error.hpp"
+#include "tests/unit/flight_bundle.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+std::vector<std::size_t> all(const Bundle& bundle) {
+  std::vector<std::size_t> runs(bundle.runs.size());
+  std::iota(runs.begin(), runs.end(), std::size_t{0});
+  return runs;
+}
+
+Fit nominal_fit(const Problem& problem) { return minimise(problem, start_of(problem, problem.layout({}), all(problem.bundle())), {}); }
+
+Term term(const std::string& name) { return {find_effect(name), ""}; }
+
+TEST(Nuisance, TakesOutWhatStartValuesImitate) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  Eigen::MatrixXd line = Eigen::MatrixXd::Zero(nuisance.size(), 1);
+  const Channel& x = problem.runs()[1].channels[0];
+  for (std::size_t i = 0; i < x.time.size(); ++i) line(nuisance.first()[1] + x.first + static_cast<Eigen::Index>(i), 0) = x.time[i];
+  EXPECT_EQ(nuisance.left_of(line).cols(), 0);
+  const Eigen::MatrixXd bent = line.array().square().matrix();
+  const Eigen::MatrixXd left = nuisance.left_of(bent);
+  ASSERT_EQ(left.cols(), 1);
+  EXPECT_NEAR(left.norm(), 1, 1e-9);
+  EXPECT_NEAR(left.col(0).dot(line.col(0)) / line.norm(), 0, 1e-6);
+}
+
+TEST(Screening, GainIsThatOfLeastSquares) {
+  const Bundle bundle = flights({.truth = "{uniform_force: {force: [0.0008, 0, 0]}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  const Screened s = screen(problem, fit, nuisance, term("uniform_force"), 10);
+  // A force along x alone beside start values: chi^2 before and after, by a fit whose other components are held.
+  Fit start = start_of(problem, problem.layout({{term("uniform_force")}}), fit.runs);
+  double gain = 0;
+  for (const Probe& probe : s.probes) gain = std::max(gain, gain_of(probe, nuisance.residual()));
+  Eigen::MatrixXd columns(nuisance.size(), 1);
+  for (std::size_t i = 0; i < fit.runs.size(); ++i)
+    columns.col(0).segment(nuisance.first()[i], nuisance.size(i)) = jacobian(problem, start, i).shared.col(0);
+  // Columns of start values and this one, directly.
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(nuisance.size(), 13);
+  a.col(12) = columns.col(0);
+  for (std::size_t i = 0; i < fit.runs.size(); ++i)
+    a.block(nuisance.first()[i], static_cast<Eigen::Index>(3 * i), nuisance.size(i), 3) = jacobian(problem, fit, i).own;
+  const Eigen::VectorXd x = a.colPivHouseholderQr().solve(-nuisance.residual());
+  const double direct = nuisance.residual().squaredNorm() - (nuisance.residual() + a * x).squaredNorm();
+  EXPECT_GT(direct, 100);
+  EXPECT_NEAR(gain, direct, 0.01 * direct);
+}
+
+TEST(Screening, PutsTheEffectThatActsFirst) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  const double drag = screen(problem, fit, nuisance, term("quadratic_drag"), 10).reached;
+  for (const char* other : {"uniform_force", "gravity_tilt", "buoyancy", "length_scale", "frame_tilt"})
+    EXPECT_LT(drag, screen(problem, fit, nuisance, term(other), 10).reached) << other;
+}
+
+TEST(Screening, AnEffectThatDoesNothingHasNoProbe) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  EXPECT_TRUE(screen(problem, fit, nuisance, {find_effect("rolling_friction"), "foam-stone"}, 10).probes.empty());
+}
+
+TEST(Screening, SurvivesPointsThatCannotBeSimulated) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) {
+    for (const Effect& e : request.scene->effects)
+      if (const auto* drag = std::get_if<QuadraticDrag>(&e); drag != nullptr && drag->coefficient > 2) throw Error("", "exploded", "", Error::Kind::simulation);
+    return fly(request);
+  });
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  const Screened s = screen(problem, fit, nuisance, term("quadratic_drag"), 10);
+  ASSERT_EQ(s.shared_start.size(), 1u);
+  EXPECT_GT(s.shared_start[0], 0.1);
+  EXPECT_LT(s.shared_start[0], 2);
+}
+
+TEST(Probe, OneSidedCountsOnlyAgainstTheDirection) {
+  Eigen::VectorXd r(2);
+  r << 3, 4;
+  EXPECT_DOUBLE_EQ(gain_of({Eigen::MatrixXd::Identity(2, 2), false}, r), 25);
+  EXPECT_DOUBLE_EQ(gain_of({Eigen::MatrixXd::Identity(2, 1), true}, r), 0);
+  EXPECT_DOUBLE_EQ(gain_of({-Eigen::MatrixXd::Identity(2, 1), true}, r), 9);
+  EXPECT_DOUBLE_EQ(gain_of({Eigen::MatrixXd(2, 0), true}, r), 0);
+}
+
+TEST(Probe, DeviatesOfDifferentDimensionsAreAlike) {
+  // 99 % quantiles of chi^2 with 1, 3 and 10 degrees of freedom.
+  for (const auto& [gain, k] : {std::pair{6.635, 1}, {11.345, 3}, {23.209, 10}}) EXPECT_NEAR(deviate(gain, k), 2.326, 0.06) << k;
+}
+
+TEST(Null, PValuesOfPureNoiseAreUniform) {
+  constexpr Eigen::Index size = 60;
+  std::vector<Probe> probes;
+  Random random(5, 1);
+  for (int i = 0; i < 12; ++i) {
+    Eigen::MatrixXd columns(size, i % 4 + 1);
+    for (double& x : columns.reshaped()) x = normal(random);
+    probes.push_back({Eigen::MatrixXd(columns.householderQr().householderQ() * Eigen::MatrixXd::Identity(size, columns.cols())), i % 4 == 0});
+  }
+  const NullDistribution null = null_of(probes, size, 999, 1);
+  std::vector<double> p;
+  for (int n = 0; n < 400; ++n) {
+    Eigen::VectorXd e(size);
+    for (double& x : e) x = normal(random);
+    double largest = -INFINITY;
+    for (const Probe& probe : probes) largest = std::max(largest, deviate(gain_of(probe, e), probe.basis.cols()));
+    p.push_back(null.p(largest));
+  }
+  std::sort(p.begin(), p.end());
+  double distance = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) distance = std::max(distance, std::abs(p[i] - (static_cast<double>(i) + 0.5) / static_cast<double>(p.size())));
+  // Kolmogorov's 0.1 % limit, 1.95 (1/400 + 1/999)^(1/2).
+  EXPECT_LT(distance, 0.116);
+}
+
+TEST(Null, PIsNeverBelowOneOverTheDrawsPlusOne) {
+  NullDistribution null;
+  null.largest = {1, 2, 3};
+  EXPECT_DOUBLE_EQ(null.p(100), 0.25);
+  EXPECT_DOUBLE_EQ(null.p(2.5), 0.5);
+  EXPECT_DOUBLE_EQ(null.p(-1), 1);
+}
+
+TEST(Phases, AreToldByContactSpeedAndSlip) {
+  History h;
+  h.gravity = {0, 0, -9.81};
+  BodyTrack track;
+  const auto add = [&](const Vec3& velocity, const Vec3& spin, double normal, double slip, double approach) {
+    h.time.push_back(0.001 * static_cast<double>(h.time.size()));
+    track.position.emplace_back(0, 0, 0);
+    track.velocity.push_back(velocity);
+    track.spin.push_back(spin);
+    track.normal_force.push_back(normal);
+    track.slip_speed.push_back(slip);
+    track.approach.push_back(approach);
+  };
+  add({1, 0, 0}, {0, 0, 0}, 0, 0, 0);
+  add({1, 0, -1}, {0, 0, 0}, 0, 0, 0);
+  add({1, 0, 0}, {0, 0, 0}, 100, 1, 1);
+  add({1, 0, 0}, {0, 0, 0}, 1, 0.8, 0);
+  add({1, 0, 0}, {0, 50, 0}, 1, 0.001, 0);
+  add({0, 0, 0}, {0, 0, 0}, 1, 0, 0);
+  const std::vector<Phase> expected{Phase::flight, Phase::flight, Phase::impact, Phase::sliding, Phase::rolling, Phase::rest};
+  EXPECT_EQ(phases_of(h, track, 0.02), expected);
+}
+
+TEST(Segments, PartAPathAtPhasesAndIntoPiecesThatCoverIt) {
+  const Bundle bundle = flights({});
+  SimulationRequest request;
+  request.scene = &bundle.scene;
+  request.until = 0.6;
+  History h = fly(request);
+  for (std::size_t i = 30; i < 45; ++i) h.bodies["ball"].normal_force[i] = 1, h.bodies["ball"].slip_speed[i] = 1;
+  const std::vector<Segment> segments = segments_of(h, "ball", 0.6, 4);
+  EXPECT_GE(segments.size(), 4u);
+  EXPECT_EQ(segments.front().from, 0);
+  EXPECT_NEAR(segments.back().to, 0.6, 1e-9);
+  for (std::size_t i = 1; i < segments.size(); ++i) EXPECT_EQ(segments[i].from, segments[i - 1].to);
+  for (const Segment& s : segments) EXPECT_EQ(s.phase, s.from > 0.295 && s.to < 0.455 ? Phase::sliding : Phase::flight) << s.from;
+}
+
+TEST(Locate, FindsTheWindowOfAForce) {
+  Flights f{.noise = 2e-4, .rate = 100, .duration = 0.8};
+  const double from = 0.3, to = 0.5;
+  f.loads = {{"ball", from, to, Vec3(0.003, 0, 0), Vec3::Zero()}};
+  const Bundle bundle = flights(f);
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const std::vector<Located> where = locate(problem, fit, Nuisance(problem, fit), 4, 499, 1);
+  ASSERT_FALSE(where.empty());
+  const Segment& s = where.front().segment;
+  EXPECT_LE(where.front().p, 0.01);
+  EXPECT_EQ(where.front().observable, "position");
+  EXPECT_EQ(s.phase, Phase::flight);
+  const double both = std::min(s.to, to) - std::max(s.from, from), either = std::max(s.to, to) - std::min(s.from, from);
+  EXPECT_GE(both / either, 0.6) << s.from << " .. " << s.to;
+  EXPECT_NEAR(where.front().force.x(), 0.003, 0.0015);
+}
+
+TEST(Locate, FindsNothingInNoise) {
+  const Bundle bundle = flights({.seed = 4});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  for (const Located& l : locate(problem, fit, Nuisance(problem, fit), 4, 199, 1)) EXPECT_GT(l.p, 0.01);
+}
+
+TEST(Shape, NamesTheVariableAndItsPower) {
+  std::vector<Located> located;
+  Random random(1, 1);
+  for (std::size_t run = 0; run < 3; ++run)
+    for (int i = 0; i < 6; ++i) {
+      Located l;
+      l.run = run;
+      const double speed = 1 + static_cast<double>((i * 7 + static_cast<int>(run) * 5) % 11);
+      l.segment.velocity = speed * random.rotation()._transformVector(Vec3::UnitX());
+      l.segment.speed = speed;
+      l.segment.height = random.uniform();
+      l.segment.time = 0.1 * i;
+      l.force = -0.02 * speed * l.segment.velocity;
+      l.force_se = Vec3::Constant(0.01);
+      located.push_back(l);
+    }
+  const std::vector<Dependence> found = dependence_of(located);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.front().variable, "speed");
+  EXPECT_EQ(found.front().curve, "quadratic");
+  EXPECT_GT(found.front().explained, 0.95);
+  for (Located& l : located) l.force = -0.02 * l.segment.velocity;
+  EXPECT_EQ(dependence_of(located).front().curve, "linear");
+  EXPECT_TRUE(dependence_of({located[0], located[1], located[2]}).empty());
+}
+
+TEST(Pairs, ThatCancelAreFoundThoughNeitherHelpsAlone) {
+  // Two directions that almost cancel: their difference is what the residuals show.
+  constexpr Eigen::Index size = 50;
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(size), b = a;
+  a[0] = 1;
+  b[0] = -std::cos(0.1);
+  b[1] = std::sin(0.1);
+  Screened first, second, other;
+  first.term = term("linear_drag");
+  second.term = term("buoyancy");
+  other.term = term("magnus");
+  first.probes = {{a, true}};
+  second.probes = {{b, true}};
+  other.probes = {{Eigen::VectorXd::Unit(size, 5), true}};
+  const Eigen::VectorXd r = -(40 * a + 40 * b);
+  EXPECT_LT(gain_of(first.probes[0], r), 1);
+  const std::vector<ScreenedPair> pairs = screen_pairs({first, other, second}, r, 10);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].first, 0u);
+  EXPECT_EQ(pairs[0].second, 2u);
+  EXPECT_NEAR(pairs[0].gain, r.squaredNorm(), 1e-9);
+}
+
+TEST(Search, FindsTwoEffectsThatPartlyCancel) {
+  // Drag and buoyancy of a dense fluid that lifts the ball, and a force that presses it down: most of the fall is as it would be without all.
+  Flights f{.noise = 2e-4, .rate = 100, .truth = "{linear_drag: {viscosity: 0.02}, buoyancy: {fluid_density: 3}}"};
+  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.2, 0, 0.5}, {0, 0, -2}};
+  const Bundle bundle = flights(f);
+  const Problem problem(bundle, all(bundle), fly);
+  SearchOptions options;
+  options.replicas = 199;
+  Search search(problem, all(bundle), options);
+  search.run();
+  const Fit& best = search.fits()[search.best()];
+  std::vector<std::string> names = best.layout.hypothesis.names();
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"buoyancy", "linear_drag"})) << best.layout.hypothesis.label();
+  EXPECT_LT(best.per_dof(), 1.3);
+  EXPECT_GT(search.left_by(search.best()).p, 0.01);
+}
+
+TEST(Search, NoCandidateIsWorseThanTheNominal) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  SearchOptions options;
+  options.replicas = 199;
+  Search search(problem, all(bundle), options);
+  search.run();
+  for (const Fit& fit : search.fits()) EXPECT_LE(fit.chi2, search.fits().front().chi2 + 0.01) << fit.layout.hypothesis.label();
+}
+
+}  // namespace
+}  // namespace repose::diagnosis

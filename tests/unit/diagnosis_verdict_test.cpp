@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "analysis/diagnosis/verdict.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+Evidence model(const std::vector<std::string>& effects, double held_out, double scale = 1) {
+  Evidence e;
+  e.effects = effects;
+  for (const std::string& name : effects) e.sites.push_back(find_effect(name)->site);
+  e.held_out = held_out;
+  e.parameters = static_cast<int>(effects.size());
+  e.lack_of_fit = scale;
+  return e;
+}
+
+double probability(const Verdict& v, const std::vector<std::string>& effects) {
+  for (const Ranked& r : v.ranked)
+    if (r.effects == effects) return r.probability;
+  return -1;
+}
+
+void expect_sums_to_one(const Verdict& v) {
+  double sum = 0;
+  for (const Ranked& r : v.ranked) sum += r.probability;
+  EXPECT_NEAR(sum, 1, 1e-12);
+  EXPECT_GE(probability(v, {}), 0);
+  EXPECT_GE(probability(v, {"unknown"}), 0);
+  for (std::size_t i = 1; i < v.ranked.size(); ++i) EXPECT_LE(v.ranked[i].probability, v.ranked[i - 1].probability);
+}
+
+TEST(Verdict, NamesWhatTheHeldOutRunsSpeakFor) {
+  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -150, 1.3)}, 0.002, 0.5, 0.99);
+  EXPECT_EQ(v.word, "missing");
+  EXPECT_EQ(v.best, 1);
+  EXPECT_GT(probability(v, {"quadratic_drag"}), 0.95);
+  EXPECT_TRUE(v.indistinguishable.empty());
+  expect_sums_to_one(v);
+}
+
+TEST(Verdict, IsNoneWithoutALackOfFitWhateverFitsBetter) {
+  const Verdict v = judge({model({}, -110), model({"quadratic_drag"}, -100)}, 0.3, 1, 0);
+  EXPECT_EQ(v.word, "none");
+  EXPECT_EQ(v.best, 0);
+  EXPECT_GT(probability(v, {}), 0.9);
+  expect_sums_to_one(v);
+}
+
+TEST(Verdict, IsUnknownWhereNothingExplainsTheMismatch) {
+  const Verdict nothing = judge({model({}, -500, 3), model({"quadratic_drag"}, -510, 3)}, 0.002, 0.002, 0.1);
+  EXPECT_EQ(nothing.word, "unknown");
+  EXPECT_GT(probability(nothing, {"unknown"}), 0.8);
+  const Verdict little = judge({model({}, -500, 3), model({"quadratic_drag"}, -400, 2.7)}, 0.002, 0.002, 0.3);
+  EXPECT_EQ(little.word, "unknown");
+  expect_sums_to_one(little);
+}
+
+TEST(Verdict, IsAmbiguousBetweenRivalsOfTheSameSize) {
+  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -101)}, 0.002, 0.5, 0.99);
+  EXPECT_EQ(v.word, "ambiguous");
+  ASSERT_EQ(v.indistinguishable.size(), 1u);
+  EXPECT_EQ(v.indistinguishable[0], (std::vector<std::string>{"quadratic_drag", "linear_drag"}));
+  // A pair that holds the best is no rival of it.
+  EXPECT_EQ(judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "linear_drag"}, -97)}, 0.002, 0.5, 0.99).word,
+            "missing");
+}
+
+TEST(Verdict, ClassesHaveAtMostThree) {
+  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -100.1), model({"magnus"}, -100.2),
+                           model({"buoyancy"}, -100.3)},
+                          0.002, 0.5, 0.99);
+  ASSERT_EQ(v.indistinguishable.size(), 1u);
+  EXPECT_EQ(v.indistinguishable[0].size(), 3u);
+}
+
+TEST(Verdict, OfMeasurementOrNumericsAlone) {
+  EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale"}, -100)}, 0.002, 0.5, 0.99).word, "measurement");
+  EXPECT_EQ(judge({model({}, -500, 3), model({"time_step"}, -100)}, 0.002, 0.5, 0.99).word, "numerics");
+  EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale", "quadratic_drag"}, -100)}, 0.002, 0.5, 0.99).word, "missing");
+}
+
+TEST(Verdict, AnEffectMoreMustEarnItsCost) {
+  const Verdict dear = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "magnus"}, -99)}, 0.002, 0.5, 0.99);
+  EXPECT_EQ(dear.best, 1);
+  const Verdict earned = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "magnus"}, -90)}, 0.002, 0.5, 0.99);
+  EXPECT_EQ(earned.best, 2);
+}
+
+}  // namespace
+}  // namespace repose::diagnosis

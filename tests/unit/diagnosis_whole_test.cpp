@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "analysis/diagnosis/diagnose.hpp"
+#include "core/error.hpp"
+#include "core/scene_yaml.hpp"
+#include "core/yaml_tree.hpp"
+#include "tests/unit/flight_bundle.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+const char* const drag = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}";
+
+DiagnoseOptions quick() {
+  DiagnoseOptions options;
+  options.replicas = 199;
+  return options;
+}
+
+FitOptions steps(int iterations) {
+  FitOptions fit;
+  fit.iterations = iterations;
+  return fit;
+}
+
+Flights six(std::uint64_t seed, const std::string& truth) {
+  Flights f;
+  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
+  f.seed = seed;
+  f.truth = truth;
+  return f;
+}
+
+TEST(Diagnosis, FindsDragNamesItAndProvesItOnRunsThatWereNotUsed) {
+  const Bundle bundle = flights(six(1, drag));
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  EXPECT_EQ(d.verdict.word, "missing");
+  const FittedHypothesis& best = d.models[d.best];
+  ASSERT_EQ(best.hypothesis.names(), std::vector<std::string>{"quadratic_drag"}) << best.hypothesis.label();
+  ASSERT_EQ(best.parameters.size(), 1u);
+  EXPECT_LT(best.parameters[0].lower, 0.47);
+  EXPECT_GT(best.parameters[0].upper, 0.47);
+  EXPECT_LT(best.parameters[0].upper - best.parameters[0].lower, 0.1);
+  EXPECT_LE(d.lack_of_fit_p, 0.01);
+  EXPECT_FALSE(d.bootstrapped);
+  EXPECT_EQ(d.replicas, 199);
+  EXPECT_EQ(best.held_out.runs.size(), 2u);
+  EXPECT_GT(best.held_out.log_likelihood, d.models.front().held_out.log_likelihood + 20);
+  EXPECT_LT(best.held_out.chi2_per_dof, 1.5);
+  ASSERT_FALSE(d.where.empty());
+  EXPECT_EQ(d.where.front().segment.phase, Phase::flight);
+}
+
+TEST(Diagnosis, TheExtendedSceneGivesTheStatedScore) {
+  const Bundle bundle = flights(six(2, drag));
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  const FittedHypothesis& best = d.models[d.best];
+  double squares = 0;
+  std::size_t samples = 0;
+  for (const std::size_t run : best.held_fit.runs) {
+    YamlNode tree = parse_yaml(d.extended_scene, "extended");
+    for (Eigen::Index k = 0; k < 3; ++k) set_path(tree, "bodies.ball.velocity." + std::to_string(k), std::to_string(best.held_fit.own[run][k]));
+    const Scene scene = parse_scene(emit_yaml(tree), "extended");
+    SimulationRequest request;
+    request.scene = &scene;
+    const BundleRun* recorded = nullptr;
+    for (const BundleRun& r : bundle.runs)
+      if (r.id == d.run_ids[run]) recorded = &r;
+    const Observation& o = recorded->observations[0];
+    Observation simulated;
+    simulated.body = o.body;
+    observe(fly(request), o.time, simulated);
+    for (std::size_t i = 0; i < o.time.size(); ++i) squares += (simulated.position[i] - o.position[i]).squaredNorm();
+    samples += 3 * o.time.size();
+  }
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(samples)) / best.held_out.rmse.at("position"), 1, 1e-3);
+}
+
+TEST(Diagnosis, TellsAWrongRulerFromPhysics) {
+  Bundle bundle = flights(six(3, "{}"));
+  for (BundleRun& run : bundle.runs)
+    for (Vec3& x : run.observations[0].position) x *= 1.03;
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  EXPECT_EQ(d.verdict.word, "measurement");
+  ASSERT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"length_scale"});
+  EXPECT_NEAR(d.models[d.best].parameters[0].value, 1.03, 0.002);
+}
+
+TEST(Diagnosis, IsUnknownWhereTheForceIsInNoLibrary) {
+  // A kick at another time and in another direction in each flight.
+  Bundle bundle;
+  Random random(9, 1);
+  for (int n = 0; n < 6; ++n) {
+    Flights f{.velocities = {{3.0 - n, 0.5 * n, 2}}, .noise = 2e-4, .seed = static_cast<std::uint64_t>(40 + n)};
+    const double from = random.uniform(0.1, 0.4);
+    f.loads = {{"ball", from, from + 0.08, 0.01 * (random.rotation() * Vec3::UnitX()), Vec3::Zero()}};
+    Bundle one = flights(f);
+    one.runs[0].id = "kick-" + std::to_string(n);
+    if (n > 0) bundle.runs.push_back(one.runs[0]);
+    if (n == 0) bundle = one;
+  }
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  EXPECT_EQ(d.verdict.word, "unknown") << d.models[d.best].hypothesis.label();
+  ASSERT_FALSE(d.where.empty());
+  EXPECT_LE(d.where.front().p, 0.01);
+}
+
+TEST(Diagnosis, RaisesFalseAlarmsAsRarelyAsItsDesign) {
+  constexpr int cases = 120;
+  int alarms = 0, low = 0;
+  for (int n = 0; n < cases; ++n) {
+    Flights f{.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}}, .rate = 40, .duration = 0.5, .seed = static_cast<std::uint64_t>(1000 + n)};
+    DiagnoseOptions options = quick();
+    options.seed = static_cast<std::uint64_t>(n);
+    options.joint_fits = 1;
+    const Diagnosis d = diagnose(flights(f), fly, options);
+    alarms += d.verdict.word != "none";
+    low += d.lack_of_fit_p <= 0.2;
+  }
+  RecordProperty("alarms", alarms);
+  // 1.2 expected; six or more have a probability of 0.2 %.
+  EXPECT_LE(alarms, 5);
+  // p is twice the smaller of two: at most 24 expected below 0.2, with binomial limits of 0.1 %. Far fewer would be no p at all.
+  EXPECT_LE(low, 38);
+  EXPECT_GE(low, 6);
+}
+
+TEST(Diagnosis, ABootstrapSaysSoAndAgreesWithTheNoiseOnlyNull) {
+  DiagnoseOptions options = quick();
+  options.bootstrap = 9;
+  const Diagnosis nothing = diagnose(flights(six(5, "{}")), fly, options);
+  EXPECT_TRUE(nothing.bootstrapped);
+  EXPECT_EQ(nothing.replicas, 9);
+  EXPECT_GT(nothing.lack_of_fit_p, 0.1);
+  const Diagnosis something = diagnose(flights(six(5, drag)), fly, options);
+  EXPECT_DOUBLE_EQ(something.lack_of_fit_p, 0.1);
+}
+
+TEST(Diagnosis, GivesTheSameAtAnyNumberOfThreads) {
+  const Bundle bundle = flights(six(6, drag));
+  DiagnoseOptions options = quick();
+  const Diagnosis one = diagnose(bundle, fly, options);
+  options.threads = 3;
+  const Diagnosis three = diagnose(bundle, fly, options);
+  EXPECT_EQ(one.extended_scene, three.extended_scene);
+  EXPECT_EQ(one.lack_of_fit_p, three.lack_of_fit_p);
+  ASSERT_EQ(one.verdict.ranked.size(), three.verdict.ranked.size());
+  for (std::size_t i = 0; i < one.verdict.ranked.size(); ++i) EXPECT_EQ(one.verdict.ranked[i].probability, three.verdict.ranked[i].probability);
+}
+
+TEST(Diagnosis, AnInterruptionKeepsWhatWasFound) {
+  int calls = 0;
+  DiagnoseOptions options = quick();
+  SimulationStore store;
+  options.store = &store;
+  options.interrupted = [&] { return ++calls > 40; };
+  const Diagnosis d = diagnose(flights(six(7, drag)), fly, options);
+  EXPECT_TRUE(d.interrupted);
+  EXPECT_FALSE(d.models.empty());
+  EXPECT_GT(store.size(), 100u);
+}
+
+TEST(Diagnosis, ANominalSceneThatCannotRunIsTheUsersToMend) {
+  const Simulate broken = [](const SimulationRequest&) -> History { throw Error("scene", "cannot run", "mend it", Error::Kind::simulation); };
+  try {
+    diagnose(flights(six(8, "{}")), broken, quick());
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problem(), "cannot run");
+  }
+}
+
+TEST(Confounding, ARecordingThatPartsTwoDragsIsAFasterOne) {
+  // Slow balls: linear and quadratic drag look alike; at four times the speed they do not.
+  Flights f = six(9, drag);
+  const Bundle bundle = flights(f);
+  const Problem problem(bundle, {0, 1, 2, 3, 4, 5}, fly);
+  const auto fitted = [&](const char* name, double value) {
+    Fit start = start_of(problem, problem.layout({{{find_effect(name), ""}}}), {0, 1, 2, 3, 4, 5});
+    start.shared[0] = value;
+    return minimise(problem, start, steps(30));
+  };
+  const SuggestedRecording s = recording_that_parts(problem, fitted("quadratic_drag", 0.4), fitted("linear_drag", 0.001));
+  EXPECT_EQ(s.what, "start at 4 times the speed");
+  EXPECT_GT(s.power, 0.9);
+  EXPECT_EQ(s.first, "quadratic_drag");
+  EXPECT_EQ(s.second, "linear_drag");
+}
+
+}  // namespace
+}  // namespace repose::diagnosis
