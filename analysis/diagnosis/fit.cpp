@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include <Eigen/Dense>
 
@@ -159,7 +160,7 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
 
   ceres::Solver::Options o;
   o.max_num_iterations = options.iterations;
-  o.num_threads = options.threads;
+  o.num_threads = std::clamp(options.threads, 1, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
   o.linear_solver_type = ceres::DENSE_QR;
   o.function_tolerance = 1e-5;
   o.max_num_line_search_step_size_iterations = 0;  // bounds are kept by projection: a search costs as much as several steps

@@ -28,7 +28,11 @@ class Collection {
   std::map<std::string, NoiseModel> noise(const std::map<std::string, double>& given) const {
     std::map<std::string, NoiseModel> result;
     for (const auto& [name, row] : rows_) result[name] = noise_model(row);
-    for (const auto& [name, sd] : given) result[name].sd = sd;
+    for (const auto& [name, sd] : given) {
+      // Far below what was given, what the samples show is not the sensor: rounding, or a filter.
+      const NoiseModel seen = result[name];
+      result[name] = {sd, seen.sd > 0.5 * sd ? seen.phi : 0};
+    }
     for (const auto& [name, range] : ranges_)
       if (result[name].sd < resolution * range) result[name] = {resolution * range, 0};
     return result;
