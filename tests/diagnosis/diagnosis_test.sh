@@ -16,11 +16,6 @@ diagnose() {
 finer=', solver.time_step: 5.0e-4, solver.tolerance: 1.0e-7'
 
 case $case in
-  rolling)
-    record "$source/scenarios/configs/concealed_roll.yaml"
-    diagnose
-    "$check" "$work/out" "$work/bundle" missing rolling_friction pairs.rubber-stone.rolling_friction 0.06
-    ;;
   drag)
     record "$source/tests/diagnosis/thrown.yaml" --set "record.conceal={effects.quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}$finer}"
     diagnose
@@ -40,12 +35,5 @@ case $case in
     done
     diagnose
     "$check" "$work/out" "$work/bundle" measurement length_scale length_scale.factor 1.03
-    ;;
-  window)
-    record "$source/tests/diagnosis/lands.yaml"
-    diagnose
-    "$check" "$work/out" "$work/bundle" missing rate_dependent_friction effects.rate_dependent_friction.slope 0.08
-    # It acts while the block slides, not in flight.
-    tr -d ' \n' <"$work/out/diagnosis.json" | grep -o '"where":\[{[^}]*}' | grep -q '"phase":"sliding"' || { echo 'FAILED: not located in sliding' >&2; exit 1; }
     ;;
 esac
