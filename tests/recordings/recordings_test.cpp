@@ -30,7 +30,6 @@ class Recordings : public ::testing::Test {
     diagnosis::DiagnoseOptions options;
     options.max_train_runs = runs;
     options.max_held_out_runs = held_out;
-    options.replicas = 99;
     return diagnosis::diagnose(bundle, simulate_with(find_backend("dvi"), false), options);
   }
   static bool names(const Diagnosis& d, const std::vector<std::string>& any_of) {
