@@ -15,6 +15,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr int shown_runs = 6;  // in the report
+constexpr double plainly_more_than_noise = 2;  // chi^2 per degree of freedom
 
 class Diagnosing {
  public:
@@ -102,7 +103,7 @@ class Diagnosing {
     }
     const LackOfFit& lack = search.lack_of_fit();
     result_.screened = lack.screened;
-    result_.where = lack.where;
+    result_.where = join_neighbours(lack.where);
     result_.depends_on = dependence_of(lack.where);
     result_.lack_of_fit_p = lack.p;
     result_.replicas = options_.replicas;
@@ -148,6 +149,13 @@ class Diagnosing {
     }
   }
 
+  /// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes.
+  static double share_explained(const Fit& nominal, const Fit& model) {
+    const auto excess = [](const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); };
+    const double before = excess(nominal);
+    return before > 0 ? 1 - excess(model) / before : 0;
+  }
+
   void finish(Search& search) {
     std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
@@ -164,11 +172,14 @@ class Diagnosing {
       evidence.push_back(e);
     }
     const std::size_t leading = search.best();
-    const auto excess = [&](const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); };
-    const double before = excess(result_.models.front().fit);
-    result_.explained = before > 0 ? 1 - excess(result_.models[leading].fit) / before : 0;
+    result_.explained = share_explained(result_.models.front().fit, result_.models[leading].fit);
     result_.remaining_p = result_.lack_of_fit_p;
     if (leading != 0 && result_.lack_of_fit_p <= level && !result_.interrupted) result_.remaining_p = search.left_by(leading).p;
+    // What fits the training runs and leaves the held-out ones as they were has explained nothing.
+    if (const Fit& held = result_.models[leading].held_fit; !held_.empty() && held.per_dof() > plainly_more_than_noise) {
+      result_.explained = std::min(result_.explained, share_explained(result_.models.front().held_fit, held));
+      result_.remaining_p = std::min(result_.remaining_p, 1 / (1 + static_cast<double>(options_.replicas)));
+    }
     result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, result_.explained);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
     FittedHypothesis& best = result_.models[result_.best];

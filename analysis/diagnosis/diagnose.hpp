@@ -55,7 +55,7 @@ struct Diagnosis {
   std::size_t best = 0;                   ///< the extended one; 0: nominal
   double lack_of_fit_p = 1; ///< of the nominal: by the bootstrap if there was one, else from noise alone
   double remaining_p = 1;   ///< the same of the best model
-  double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes
+  double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes, on the runs (fitted or held out) where it removes less
   int replicas = 0;         ///< behind lack_of_fit_p
   bool bootstrapped = false;
   std::vector<Located> where;

@@ -28,26 +28,13 @@ std::string most_moved(const RunData& data, const Eigen::VectorXd& d) {
   return best;
 }
 
-/// Neighbours in time of one run, body and phase become one entry with the smallest p.
-std::vector<Located> merged(std::vector<Located> entries) {
-  std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) {
-    return std::tie(a.run, a.segment.body, a.segment.from) < std::tie(b.run, b.segment.body, b.segment.from);
-  });
-  std::vector<Located> result;
-  for (const Located& e : entries) {
-    if (!result.empty() && result.back().run == e.run && result.back().segment.body == e.segment.body &&
-        result.back().segment.phase == e.segment.phase && std::abs(result.back().segment.to - e.segment.from) < 1e-9 &&
-        result.back().p <= significant && e.p <= significant && result.back().force.dot(e.force) > 0) {
-      Located& last = result.back();
-      last.segment.to = e.segment.to;
-      last.deviate = std::max(last.deviate, e.deviate);
-      last.p = std::min(last.p, e.p);
-      continue;
-    }
-    result.push_back(e);
-  }
-  std::sort(result.begin(), result.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
-  return result;
+void sort_by_p(std::vector<Located>& entries) {
+  std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
+}
+
+bool one_stretch(const Located& a, const Located& b) {
+  return a.run == b.run && a.segment.body == b.segment.body && a.segment.phase == b.segment.phase &&
+         std::abs(a.segment.to - b.segment.from) < 1e-9 && a.p <= significant && b.p <= significant && a.force.dot(b.force) > 0;
 }
 
 }  // namespace
@@ -114,7 +101,30 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
   if (entries.empty()) return entries;
   const NullDistribution null = null_of(probes, nuisance.size(), replicas, seed);
   for (Located& e : entries) e.p = null.p(e.deviate);
-  return merged(std::move(entries));
+  sort_by_p(entries);
+  return entries;
+}
+
+std::vector<Located> join_neighbours(std::vector<Located> entries) {
+  std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) {
+    return std::tie(a.run, a.segment.body, a.segment.from) < std::tie(b.run, b.segment.body, b.segment.from);
+  });
+  std::vector<Located> result;
+  for (const Located& e : entries) {
+    if (result.empty() || !one_stretch(result.back(), e)) {
+      result.push_back(e);
+      continue;
+    }
+    Located& last = result.back();
+    const double before = last.segment.to - last.segment.from, more = e.segment.to - e.segment.from, both = before + more;
+    last.force = (before * last.force + more * e.force) / both;
+    last.force_se = ((before * last.force_se).cwiseAbs2() + (more * e.force_se).cwiseAbs2()).cwiseSqrt() / both;
+    last.segment.to = e.segment.to;
+    last.deviate = std::max(last.deviate, e.deviate);
+    last.p = std::min(last.p, e.p);
+  }
+  sort_by_p(result);
+  return result;
 }
 
 }  // namespace repose::diagnosis

@@ -19,9 +19,12 @@ struct Located {
   double p = 1;             ///< corrected for all segments of all runs
 };
 
-/// Tests every segment of the given runs of the fit (at most `max_runs`). Sorted by p, then by deviate; neighbouring segments of the same
-/// phase that are significant together are one entry.
+/// Tests every segment of the given runs of the fit (at most `max_runs`). Sorted by p, then by deviate.
 std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas,
                             std::uint64_t seed);
+
+/// Neighbours in time of one run, body and phase that are significant and push the same way become one entry: the force is the mean
+/// over its time, p the smallest. Sorted as above.
+std::vector<Located> join_neighbours(std::vector<Located> entries);
 
 }  // namespace repose::diagnosis

@@ -187,7 +187,7 @@ TEST(Locate, FindsTheWindowOfAForce) {
   const Bundle bundle = flights(f);
   const Problem problem(bundle, all(bundle), fly);
   const Fit fit = nominal_fit(problem);
-  const std::vector<Located> where = locate(problem, fit, Nuisance(problem, fit), 4, 499, 1);
+  const std::vector<Located> where = join_neighbours(locate(problem, fit, Nuisance(problem, fit), 4, 499, 1));
   ASSERT_FALSE(where.empty());
   const Segment& s = where.front().segment;
   EXPECT_LE(where.front().p, 0.01);
@@ -195,6 +195,30 @@ TEST(Locate, FindsTheWindowOfAForce) {
   EXPECT_EQ(s.phase, Phase::flight);
   const double both = std::min(s.to, to) - std::max(s.from, from), either = std::max(s.to, to) - std::min(s.from, from);
   EXPECT_GE(both / either, 0.6) << s.from << " .. " << s.to;
+  // Pieces that reach over the edges of the window share its push.
+  EXPECT_NEAR(where.front().force.x() * (s.to - s.from), 0.003 * (to - from), 0.2 * 0.003 * (to - from));
+}
+
+TEST(Locate, JoinsNeighboursThatPushTheSameWay) {
+  Located early, late;
+  early.segment = {"ball", Phase::flight, 0, 0.1};
+  late.segment = {"ball", Phase::flight, 0.1, 0.4};
+  early.force = Vec3(4, 0, 0), late.force = Vec3(8, 0, 0);
+  early.force_se = Vec3(3, 0, 0), late.force_se = Vec3(4.0 / 3, 0, 0);
+  early.p = 0.004, late.p = 0.002;
+  const std::vector<Located> one = join_neighbours({late, early});
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one.front().segment.from, 0);
+  EXPECT_EQ(one.front().segment.to, 0.4);
+  EXPECT_NEAR(one.front().force.x(), 7, 1e-12);                       // (0.1 * 4 + 0.3 * 8) / 0.4
+  EXPECT_NEAR(one.front().force_se.x(), 0.5 / 0.4, 1e-9);                  // sqrt((0.1 * 3)^2 + (0.3 * 4 / 3)^2) / 0.4
+  EXPECT_EQ(one.front().p, 0.002);
+
+  Located against = late, apart = late, unsure = late;
+  against.force = -late.force;
+  apart.segment.from = 0.2;
+  unsure.p = 0.5;
+  for (const Located& other : {against, apart, unsure}) EXPECT_EQ(join_neighbours({early, other}).size(), 2u);
 }
 
 TEST(Locate, FindsNothingInNoise) {
