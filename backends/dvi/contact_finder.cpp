@@ -5,6 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "backends/dvi/team.hpp"
 #include "core/periodic_body.hpp"
 
 namespace repose::dvi {
@@ -60,19 +61,21 @@ ContactFinder::ContactFinder(const Model& model, double unit)
 
 void ContactFinder::place_parts(const BodyPlacement& placement, int threads) {
   const auto n = static_cast<std::ptrdiff_t>(model_.bodies.size());
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const auto body = static_cast<std::size_t>(i);
-    const Body& b = model_.bodies[body];
-    const Shape& shape = model_.shapes[static_cast<std::size_t>(b.shape)];
-    const double scale = b.scale / unit_;
-    for (std::size_t k = 0; k < shape.parts.size(); ++k) {
-      PlacedPrimitive& placed = parts_[static_cast<std::size_t>(first_part_[body]) + k].primitive;
-      const Pose& pose = shape.parts[k].pose;
-      placed.position = placement.position[body] + placement.rotation[body] * (scale * pose.position);
-      placed.rotation = placement.rotation[body] * pose.orientation.toRotationMatrix();
+  on_team(threads, [&] {
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+      const auto body = static_cast<std::size_t>(i);
+      const Body& b = model_.bodies[body];
+      const Shape& shape = model_.shapes[static_cast<std::size_t>(b.shape)];
+      const double scale = b.scale / unit_;
+      for (std::size_t k = 0; k < shape.parts.size(); ++k) {
+        PlacedPrimitive& placed = parts_[static_cast<std::size_t>(first_part_[body]) + k].primitive;
+        const Pose& pose = shape.parts[k].pose;
+        placed.position = placement.position[body] + placement.rotation[body] * (scale * pose.position);
+        placed.rotation = placement.rotation[body] * pose.orientation.toRotationMatrix();
+      }
     }
-  }
+  });
 }
 
 void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
@@ -171,15 +174,14 @@ double ContactFinder::reach_of_pair(const BodyPlacement& placement, double step,
 template <class Search>
 void ContactFinder::each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search) {
   chunks.resize(count);
-#pragma omp parallel num_threads(threads) if (threads > 1)
-  {
+  on_team(threads, [&] {
     std::vector<ContactPoint> scratch;
 #pragma omp for schedule(dynamic)
     for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(count); ++i) {
       chunks[static_cast<std::size_t>(i)].found.clear();
       search(static_cast<std::size_t>(i), scratch);
     }
-  }
+  });
 }
 
 void ContactFinder::gather(const std::vector<Chunk>& chunks, std::vector<FoundContact>& out) {

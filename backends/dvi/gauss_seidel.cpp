@@ -1,6 +1,7 @@
 #include "backends/dvi/gauss_seidel.hpp"
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -161,22 +162,23 @@ void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
 
 template <class Real, bool Rotational, bool Exact>
 void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, Momentum<Real>* momentum, int threads) {
-#pragma omp parallel num_threads(threads) if (threads > 1)
-  for (int s = 0; s < sweeps; ++s) {
-    for (int colour = 0; colour < packed.colours(); ++colour) {
-      const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
-      const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
+  on_team(threads, [&] {
+    for (int s = 0; s < sweeps; ++s) {
+      for (int colour = 0; colour < packed.colours(); ++colour) {
+        const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
+        const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
 #pragma omp for schedule(static)
-      for (std::int32_t i = first; i < last; ++i)
-        visit<Real, Rotational, Exact>(packed, static_cast<std::size_t>(i), relaxation);
-    }
-    if (momentum == nullptr) continue;
-    const bool move = s + 1 < sweeps;  // what is handed out stays in the cones
+        for (std::int32_t i = first; i < last; ++i)
+          visit<Real, Rotational, Exact>(packed, static_cast<std::size_t>(i), relaxation);
+      }
+      if (momentum == nullptr) continue;
+      const bool move = s + 1 < sweeps;  // what is handed out stays in the cones
 #pragma omp for schedule(static)
-    for (std::ptrdiff_t block = 0; block < momentum->blocks(); ++block) momentum->extrapolate(packed, block, move);
+      for (std::ptrdiff_t block = 0; block < momentum->blocks(); ++block) momentum->extrapolate(packed, block, move);
 #pragma omp single
-    momentum->advance(move);
-  }
+      momentum->advance(move);
+    }
+  });
 }
 
 }  // namespace

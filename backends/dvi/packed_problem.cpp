@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -108,38 +109,40 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
   packed.across = static_cast<Real>(problem.across);
 
   const auto batches = static_cast<std::ptrdiff_t>(packed.batches.size());
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::ptrdiff_t i = 0; i < batches; ++i) {
-    Batch<Real>& batch = packed.batches[static_cast<std::size_t>(i)];
-    for (int l = 0; l < lanes; ++l) {
-      const std::int32_t index = packed.contact[static_cast<std::size_t>(i * lanes + l)];
-      if (index < 0) {
-        set_padding(batch, l, idle);
-        continue;
+  on_team(threads, [&] {
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < batches; ++i) {
+      Batch<Real>& batch = packed.batches[static_cast<std::size_t>(i)];
+      for (int l = 0; l < lanes; ++l) {
+        const std::int32_t index = packed.contact[static_cast<std::size_t>(i * lanes + l)];
+        if (index < 0) {
+          set_padding(batch, l, idle);
+          continue;
+        }
+        const ConeContact& c = problem.contacts[static_cast<std::size_t>(index)];
+        const Impulse& g = impulse[static_cast<std::size_t>(index)];
+        batch.a[l] = c.a;
+        batch.b[l] = c.b;
+        Vec3 t1, t2;
+        contact_frame(c, t1, t2);
+        set3<Real>(batch.normal, l, c.normal);
+        set3<Real>(batch.tangent, l, t1);
+        set3<Real>(batch.arm_a, l, c.arm_a);
+        set3<Real>(batch.arm_b, l, c.arm_b);
+        for (std::size_t k = 0; k < 6; ++k) batch.impulse[k][l] = rotational || k < 3 ? static_cast<Real>(g[k]) : Real(0);
+        batch.impulse[2][l] /= packed.across;
+        if (compliant) packed.compliance[static_cast<std::size_t>(i)].x[l] = static_cast<Real>(c.compliance);
+        batch.bias[l] = static_cast<Real>(c.bias);
+        batch.friction[l] = static_cast<Real>(c.friction);
+        batch.rolling[l] = static_cast<Real>(c.rolling);
+        batch.spinning[l] = static_cast<Real>(c.spinning);
+        batch.arm[l] = static_cast<Real>(c.arm);
+        batch.cohesion[l] = static_cast<Real>(c.cohesion);
       }
-      const ConeContact& c = problem.contacts[static_cast<std::size_t>(index)];
-      const Impulse& g = impulse[static_cast<std::size_t>(index)];
-      batch.a[l] = c.a;
-      batch.b[l] = c.b;
-      Vec3 t1, t2;
-      contact_frame(c, t1, t2);
-      set3<Real>(batch.normal, l, c.normal);
-      set3<Real>(batch.tangent, l, t1);
-      set3<Real>(batch.arm_a, l, c.arm_a);
-      set3<Real>(batch.arm_b, l, c.arm_b);
-      for (std::size_t k = 0; k < 6; ++k) batch.impulse[k][l] = rotational || k < 3 ? static_cast<Real>(g[k]) : Real(0);
-      batch.impulse[2][l] /= packed.across;
-      if (compliant) packed.compliance[static_cast<std::size_t>(i)].x[l] = static_cast<Real>(c.compliance);
-      batch.bias[l] = static_cast<Real>(c.bias);
-      batch.friction[l] = static_cast<Real>(c.friction);
-      batch.rolling[l] = static_cast<Real>(c.rolling);
-      batch.spinning[l] = static_cast<Real>(c.spinning);
-      batch.arm[l] = static_cast<Real>(c.arm);
-      batch.cohesion[l] = static_cast<Real>(c.cohesion);
+      compute_block(packed, batch);
+      if (compliant) batch.w[0] += packed.compliance[static_cast<std::size_t>(i)].x;
     }
-    compute_block(packed, batch);
-    if (compliant) batch.w[0] += packed.compliance[static_cast<std::size_t>(i)].x;
-  }
+  });
   accumulate_velocities(packed, problem, threads);
   return packed;
 }
@@ -156,21 +159,23 @@ void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& probl
     for (int colour = 0; colour < packed.colours(); ++colour) {
       const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
       const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-      for (std::int32_t i = first; i < last; ++i) {
-        const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
-        Lanes<Real> t2[3], force[3], couple[3], mass, inertia[6], v[3], w[3];
-        second_tangent<Real>(c, t2);
-        wrench<Real, rows>(c, t2, packed.across, c.impulse, force, couple);
-        for (int side = 0; side < 2; ++side) {
-          const std::int32_t* index = side == 0 ? c.a : c.b;
-          gather_velocity<Real>(packed.velocity.data(), index, v, w);
-          gather_inverse<Real>(packed.inverse.data(), index, mass, inertia);
-          apply_wrench<Real>(side == 0 ? Real(-1) : Real(1), side == 0 ? c.arm_a : c.arm_b, mass, inertia, force, couple, v,
-                             w);
-          scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, index, v, w);
+      on_team(threads, [&] {
+#pragma omp for schedule(static)
+        for (std::int32_t i = first; i < last; ++i) {
+          const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
+          Lanes<Real> t2[3], force[3], couple[3], mass, inertia[6], v[3], w[3];
+          second_tangent<Real>(c, t2);
+          wrench<Real, rows>(c, t2, packed.across, c.impulse, force, couple);
+          for (int side = 0; side < 2; ++side) {
+            const std::int32_t* index = side == 0 ? c.a : c.b;
+            gather_velocity<Real>(packed.velocity.data(), index, v, w);
+            gather_inverse<Real>(packed.inverse.data(), index, mass, inertia);
+            apply_wrench<Real>(side == 0 ? Real(-1) : Real(1), side == 0 ? c.arm_a : c.arm_b, mass, inertia, force, couple, v,
+                               w);
+            scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, index, v, w);
+          }
         }
-      }
+      });
     }
   });
 }

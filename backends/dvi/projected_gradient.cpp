@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -48,8 +49,10 @@ struct ProjectedGradient<Real>::Impl {
   template <class F>
   void each(F&& f) {
     const auto n = static_cast<std::ptrdiff_t>(packed.batches.size());
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (std::ptrdiff_t i = 0; i < n; ++i) f(static_cast<std::size_t>(i));
+    on_team(threads, [&] {
+#pragma omp for schedule(static)
+      for (std::ptrdiff_t i = 0; i < n; ++i) f(static_cast<std::size_t>(i));
+    });
   }
 
   /// Sum over contacts in a fixed order.

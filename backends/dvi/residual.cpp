@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -16,36 +17,38 @@ double residual(const PackedProblem<Real>& packed, ContactLaw law, int threads) 
   std::vector<double> part(static_cast<std::size_t>(2 * blocks));
   with_rows(packed, [&](auto rotational) {
     constexpr bool rows = decltype(rotational)::value;
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-    for (std::ptrdiff_t j = 0; j < blocks; ++j) {
-      Lanes<Real> error{}, size{};
-      double error_sum = 0, size_sum = 0;
-      for (std::ptrdiff_t i = j * block; i < std::min((j + 1) * block, batches); ++i) {
-        const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
-        constexpr int n = rows ? 6 : 3;
-        Lanes<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6], g[6];
-        gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
-        gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
-        second_tangent<Real>(c, t2);
-        relative_velocity<Real, rows>(c, t2, packed.across, va, wa, vb, wb, u);
-        u[0] += c.bias;
-        add_compliance<Real>(packed, static_cast<std::size_t>(i), c.impulse[0], u[0]);
-        if (law == ContactLaw::exact) u[0] += de_saxce<Real, rows>(c, u);
-        const Lanes<Real> inverse = Real(1) / c.w[0];
-        for (int k = 0; k < n; ++k) g[k] = c.impulse[k] - inverse * u[k];
-        project<Real, rows>(c, g);
-        error = size = Lanes<Real>{};
-        for (int k = 0; k < n; ++k) {
-          const Lanes<Real> r = c.impulse[k] - g[k];
-          error += r * r;
-          size += c.impulse[k] * c.impulse[k];
+    on_team(threads, [&] {
+#pragma omp for schedule(static)
+      for (std::ptrdiff_t j = 0; j < blocks; ++j) {
+        Lanes<Real> error{}, size{};
+        double error_sum = 0, size_sum = 0;
+        for (std::ptrdiff_t i = j * block; i < std::min((j + 1) * block, batches); ++i) {
+          const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
+          constexpr int n = rows ? 6 : 3;
+          Lanes<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6], g[6];
+          gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
+          gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
+          second_tangent<Real>(c, t2);
+          relative_velocity<Real, rows>(c, t2, packed.across, va, wa, vb, wb, u);
+          u[0] += c.bias;
+          add_compliance<Real>(packed, static_cast<std::size_t>(i), c.impulse[0], u[0]);
+          if (law == ContactLaw::exact) u[0] += de_saxce<Real, rows>(c, u);
+          const Lanes<Real> inverse = Real(1) / c.w[0];
+          for (int k = 0; k < n; ++k) g[k] = c.impulse[k] - inverse * u[k];
+          project<Real, rows>(c, g);
+          error = size = Lanes<Real>{};
+          for (int k = 0; k < n; ++k) {
+            const Lanes<Real> r = c.impulse[k] - g[k];
+            error += r * r;
+            size += c.impulse[k] * c.impulse[k];
+          }
+          error_sum += lane_sum<Real>(c.w[0] * error);
+          size_sum += lane_sum<Real>(c.w[0] * size);
         }
-        error_sum += lane_sum<Real>(c.w[0] * error);
-        size_sum += lane_sum<Real>(c.w[0] * size);
+        part[static_cast<std::size_t>(2 * j)] = error_sum;
+        part[static_cast<std::size_t>(2 * j + 1)] = size_sum;
       }
-      part[static_cast<std::size_t>(2 * j)] = error_sum;
-      part[static_cast<std::size_t>(2 * j + 1)] = size_sum;
-    }
+    });
   });
   double error = 0, size = 0;
   for (std::size_t j = 0; j < static_cast<std::size_t>(blocks); ++j) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/team.hpp"
 #include "core/contact_effects.hpp"
 
 namespace repose::dvi {
@@ -33,26 +34,28 @@ void renew_friction(PackedProblem<Real>& packed, const ConeProblem& problem, int
   const SlipLaw& law = problem.slip_law;
   if (law.slope == 0) return;
   const auto batches = static_cast<std::ptrdiff_t>(packed.batches.size());
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::ptrdiff_t i = 0; i < batches; ++i) {
-    Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
-    Lanes<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6];
-    gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
-    gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
-    second_tangent<Real>(c, t2);
-    relative_velocity<Real, false>(c, t2, packed.across, va, wa, vb, wb, u);
-    for (int l = 0; l < PackedProblem<Real>::lanes; ++l) {
-      const std::int32_t index = packed.contact[static_cast<std::size_t>(i * PackedProblem<Real>::lanes + l)];
-      if (index < 0) continue;
-      // Slip and friction in space: row 2 is scaled.
-      const double across = static_cast<double>(packed.across);
-      const double slip = std::hypot(static_cast<double>(u[1][l]), static_cast<double>(u[2][l]) / across);
-      const double held = std::hypot(static_cast<double>(c.impulse[1][l]), static_cast<double>(c.impulse[2][l]));
-      c.friction[l] = static_cast<Real>(consistent_friction(law, law.friction[static_cast<std::size_t>(index)], slip,
-                                                            static_cast<double>(c.w[block_index(1, 1)][l]), held,
-                                                            static_cast<double>(c.impulse[0][l] + c.cohesion[l])));
+  on_team(threads, [&] {
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < batches; ++i) {
+      Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
+      Lanes<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6];
+      gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
+      gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
+      second_tangent<Real>(c, t2);
+      relative_velocity<Real, false>(c, t2, packed.across, va, wa, vb, wb, u);
+      for (int l = 0; l < PackedProblem<Real>::lanes; ++l) {
+        const std::int32_t index = packed.contact[static_cast<std::size_t>(i * PackedProblem<Real>::lanes + l)];
+        if (index < 0) continue;
+        // Slip and friction in space: row 2 is scaled.
+        const double across = static_cast<double>(packed.across);
+        const double slip = std::hypot(static_cast<double>(u[1][l]), static_cast<double>(u[2][l]) / across);
+        const double held = std::hypot(static_cast<double>(c.impulse[1][l]), static_cast<double>(c.impulse[2][l]));
+        c.friction[l] = static_cast<Real>(consistent_friction(law, law.friction[static_cast<std::size_t>(index)], slip,
+                                                              static_cast<double>(c.w[block_index(1, 1)][l]), held,
+                                                              static_cast<double>(c.impulse[0][l] + c.cohesion[l])));
+      }
     }
-  }
+  });
 }
 
 template void renew_friction(PackedProblem<double>&, const ConeProblem&, int);
