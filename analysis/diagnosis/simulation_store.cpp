@@ -41,7 +41,8 @@ bool SimulationStore::read() {
     at += entry_header;
     if (length > (bytes.size() - at) / sizeof(double)) return false;
     Entry entry{Eigen::VectorXd(static_cast<Eigen::Index>(length)), false};
-    std::memcpy(entry.result.data(), bytes.data() + at, length * sizeof(double));
+    // An empty result has no memory to copy to.
+    if (length > 0) std::memcpy(entry.result.data(), bytes.data() + at, length * sizeof(double));
     at += length * sizeof(double);
     bytes_ += bytes_of(entry.result);
     entries_.emplace(hash, std::move(entry));
@@ -76,7 +77,9 @@ void SimulationStore::save() const {
     if (body.size() + bytes_of(entry->result) > limit_) break;
     put(body, hash);
     put(body, static_cast<std::uint64_t>(entry->result.size()));
-    body.append(reinterpret_cast<const char*>(entry->result.data()), static_cast<std::size_t>(entry->result.size()) * sizeof(double));
+    if (entry->result.size() > 0)
+      body.append(reinterpret_cast<const char*>(entry->result.data()),
+                  static_cast<std::size_t>(entry->result.size()) * sizeof(double));
   }
   std::string bytes;
   put(bytes, magic);
