@@ -15,7 +15,6 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr int shown_runs = 6;  // in the report
-constexpr double plainly_more_than_noise = 2;  // chi^2 per degree of freedom
 
 class Diagnosing {
  public:
@@ -166,6 +165,7 @@ class Diagnosing {
       e.effects = m.hypothesis.names();
       for (const Term& term : m.hypothesis.terms) e.sites.push_back(term.row->site);
       e.held_out = m.held_out.log_likelihood;
+      e.per_run = m.held_out.per_run;
       e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;
       e.parameters = m.extra_parameters;
       e.lack_of_fit = m.scale;

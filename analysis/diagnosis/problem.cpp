@@ -170,7 +170,7 @@ void Problem::find_horizon(std::size_t run) {
 void Problem::add_numerics() {
   std::map<std::string, std::vector<double>> errors;  // by observable, of each run: rms in units of the noise
   Layout coarse = layout({}), fine = coarse;
-  fine.step_factor = 0.5;
+  fine.numerics.step_factor = 0.5;
   const Values shared = starts(coarse.shared);
   for (std::size_t run = 0; run < runs_.size(); ++run) {
     const Values own = starts(runs_[run].start);
@@ -206,10 +206,12 @@ Layout Problem::layout(const Hypothesis& hypothesis) const {
   return result;
 }
 
-YamlNode Problem::made_finer(YamlNode tree, const Layout& layout) const {
+YamlNode Problem::solved_by(YamlNode tree, const Layout& layout) const {
   const SolverOptions& solver = bundle_.scene.solver;
-  if (layout.step_factor != 1) set_path(tree, "solver.time_step", fmt::format("{}", solver.time_step * layout.step_factor));
-  if (layout.tolerance_factor != 1) set_path(tree, "solver.tolerance", fmt::format("{}", solver.tolerance * layout.tolerance_factor));
+  const Numerics& how = layout.numerics;
+  if (how.step_factor != 1) set_path(tree, "solver.time_step", fmt::format("{}", solver.time_step * how.step_factor));
+  if (how.tolerance_factor != 1) set_path(tree, "solver.tolerance", fmt::format("{}", solver.tolerance * how.tolerance_factor));
+  if (how.other_law) set_path(tree, "solver.law", solver.law == ContactLaw::exact ? "relaxed" : "exact");
   return tree;
 }
 
@@ -229,14 +231,14 @@ YamlNode Problem::scene(const Layout& layout, std::size_t run, const Values& sha
   put_terms(tree, layout.hypothesis, scale_);
   put_values(tree, layout.shared, shared);
   put_values(tree, layout.per_run[run], own, orientations);
-  return made_finer(std::move(tree), layout);
+  return solved_by(std::move(tree), layout);
 }
 
 YamlNode Problem::extended_scene(const Layout& layout, const Values& shared) const {
   YamlNode tree = parse_yaml(bundle_.scene.text, "scene");
   put_terms(tree, layout.hypothesis, scale_);
   put_values(tree, layout.shared, shared);
-  return made_finer(std::move(tree), layout);
+  return solved_by(std::move(tree), layout);
 }
 
 History Problem::history(const Layout& layout, std::size_t run, const Values& shared, const Values& own) const {

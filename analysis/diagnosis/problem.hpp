@@ -30,13 +30,19 @@ struct RunData {
 /// Values of one run under a hypothesis, in the order: calibrated, shared of the terms, start values, per run of the terms.
 using Values = Eigen::VectorXd;
 
+/// How the scene is solved under a hypothesis, beside the scene's own settings.
+struct Numerics {
+  double step_factor = 1;       ///< of the time step
+  double tolerance_factor = 1;
+  bool other_law = false;       ///< the relaxed contact law where the scene has the exact one, and the other way round
+};
+
 /// A hypothesis with its parameters laid out.
 struct Layout {
   Hypothesis hypothesis;
   std::vector<Parameter> shared;                ///< calibrated constants, then shared parameters of the terms
   std::vector<std::vector<Parameter>> per_run;  ///< of each run of the problem
-  double step_factor = 1;                       ///< of the time step
-  double tolerance_factor = 1;
+  Numerics numerics;
 };
 
 class Problem {
@@ -72,7 +78,7 @@ class Problem {
   void add_run(std::size_t index);
   void set_up_channels(RunData& data) const;
   void find_horizon(std::size_t run);
-  YamlNode made_finer(YamlNode tree, const Layout& layout) const;
+  YamlNode solved_by(YamlNode tree, const Layout& layout) const;
   /// Adds to the noise (in squares) how far runs at h and h/2 part: the step must not pass for physics.
   void add_numerics();
 

@@ -62,8 +62,7 @@ class Screening {
     Hypothesis hypothesis = nominal.layout.hypothesis;
     hypothesis.terms.push_back(term);
     layout_ = problem.layout(hypothesis);
-    layout_.step_factor = nominal.layout.step_factor;
-    layout_.tolerance_factor = nominal.layout.tolerance_factor;
+    layout_.numerics = nominal.layout.numerics;
     best_.term = term;
     best_.reached = nuisance.left_of_vector(nuisance.residual()).squaredNorm();
   }

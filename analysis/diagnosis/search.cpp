@@ -217,14 +217,18 @@ void Search::fit_pairs() {
     if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
 }
 
-/// Does the mismatch go away with a quarter of the step, or with a tenth of the tolerance?
+/// Does the mismatch go away with a quarter of the step, with a tenth of the tolerance, or with the other contact law?
 void Search::fit_numerics() {
-  for (const char* name : {"time_step", "solver_tolerance"}) {
+  Numerics finer_step, finer_tolerance, other_law;
+  finer_step.step_factor = 0.25;
+  finer_tolerance.tolerance_factor = 0.1;
+  other_law.other_law = true;
+  for (const auto& [name, numerics] : {std::pair{"time_step", finer_step}, {"solver_tolerance", finer_tolerance}, {"engine_law", other_law}}) {
     Fit start = fits_.front();
     start.layout.hypothesis.terms = {{find_effect(name), ""}};
     if (known(start.layout.hypothesis)) continue;
-    tell("a finer simulation", 0, 1);
-    (std::string(name) == "time_step" ? start.layout.step_factor : start.layout.tolerance_factor) = std::string(name) == "time_step" ? 0.25 : 0.1;
+    tell("another way to solve it", 0, 1);
+    start.layout.numerics = numerics;
     keep(improved(start));
   }
 }

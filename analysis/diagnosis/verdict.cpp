@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/two_samples.hpp"
+
 namespace repose::diagnosis {
 namespace {
 
@@ -16,6 +18,25 @@ std::string word_of(const Evidence& best) {
   for (const EffectSite site : best.sites)
     if (site != EffectSite::measurement && site != EffectSite::numerics) return "missing";
   return "measurement";
+}
+
+/// Log odds of `rival` against `best` that the scatter of their differences between runs leaves open; 0 where one cannot tell.
+double log_odds_by_runs(const Evidence& best, const Evidence& rival) {
+  if (best.per_run.size() < 2) return 0;
+  const MeanDifference d = paired_difference(best.per_run, rival.per_run);
+  const double p = d.value > 0 ? d.p / 2 : 0.5;
+  return std::log(p / (1 - p));
+}
+
+/// Samples of one run share what is systematic in it; counted one by one they would make a winner of every rival.
+void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t best, std::vector<double>& score) {
+  const Evidence& leader = evidence[best];
+  if (best == 0 || leader.lack_of_fit * leader.lack_of_fit <= plainly_more_than_noise) return;
+  for (std::size_t i = 1; i < evidence.size(); ++i) {
+    const Evidence& rival = evidence[i];
+    if (i == best || rival.effects.size() != leader.effects.size() || rival.train_gain < least_explained * leader.train_gain) continue;
+    score[i] = std::max(score[i], score[best] + log_odds_by_runs(leader, rival));
+  }
 }
 
 }  // namespace
@@ -37,6 +58,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
     verdict.best = static_cast<int>(best);
     temper = temper_of(evidence[best]);
   }
+  count_runs_not_samples(evidence, static_cast<std::size_t>(verdict.best), score);
   // Without a lack of fit nothing is missing: at best the prior odds of the level are against it.
   if (fits) verdict.best = 0;
   const bool unknown = !fits && (verdict.best == 0 || (remaining_p <= level && explained < least_explained));

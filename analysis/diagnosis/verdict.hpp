@@ -12,6 +12,7 @@ struct Evidence {
   std::vector<std::string> effects;   ///< none: nominal
   std::vector<EffectSite> sites;
   double held_out = 0;                ///< log likelihood [nats]
+  std::vector<double> per_run;        ///< the same, run by run
   double train_gain = 0;              ///< over the nominal: twice the log likelihood ratio
   int parameters = 0;                 ///< beyond the nominal's
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
@@ -38,9 +39,12 @@ inline constexpr double indistinguishable_within = 3.0;
 /// Below this share of what was left over, the best candidate has not explained it.
 inline constexpr double least_explained = 0.5;
 inline constexpr double level = 0.01;  ///< of the lack of fit
+/// chi^2 per degree of freedom from which what a model leaves is systematic: its samples are no longer independent, its runs are.
+inline constexpr double plainly_more_than_noise = 2;
 
 /// `evidence[0]` is the nominal. Log likelihoods are divided by the square of the best model's scale (a model that leaves residuals
-/// of twice the noise has a quarter of the evidence). `lack_of_fit_p` above `level`: none, whatever fits better by chance.
+/// of twice the noise has a quarter of the evidence). Where the best leaves plainly more than noise, the odds against a rival of the same
+/// size that explains at least half as much are no longer than a paired t test over runs bears out, p : 1 - p. `lack_of_fit_p` above `level`: none, whatever fits better by chance.
 /// `remaining_p`: lack of fit of the best model; `explained`: share of the nominal's excess chi^2 that it removes.
 Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, double explained);
 

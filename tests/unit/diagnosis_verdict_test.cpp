@@ -76,6 +76,34 @@ TEST(Verdict, ClassesHaveAtMostThree) {
   EXPECT_EQ(v.indistinguishable[0].size(), 3u);
 }
 
+Evidence over_runs(const std::vector<std::string>& effects, const std::vector<double>& per_run, double scale, double train_gain) {
+  Evidence e = model(effects, 0, scale);
+  for (const double one : per_run) e.held_out += one;
+  e.per_run = per_run;
+  e.train_gain = train_gain;
+  return e;
+}
+
+TEST(Verdict, CountsRunsNotSamplesWhereTheBestLeavesMoreThanNoise) {
+  // Linear drag loses by 600 nats in all, but wins two of the four runs.
+  const std::vector<double> nothing = {-9000, -9000, -9000, -9000}, quadratic = {-300, -300, -300, -300}, linear = {-250, -220, -800, -530};
+  const auto verdict = [&](double scale, double gain_of_linear, const std::vector<double>& of_linear) {
+    return judge({over_runs({}, nothing, 20, 0), over_runs({"quadratic_drag"}, quadratic, scale, 1000),
+                  over_runs({"linear_drag"}, of_linear, scale, gain_of_linear)},
+                 0.002, 0.002, 0.95);
+  };
+  const Verdict open = verdict(5, 950, linear);
+  EXPECT_EQ(open.word, "ambiguous");
+  EXPECT_LT(probability(open, {"quadratic_drag"}), 0.9);
+  expect_sums_to_one(open);
+  // Without anything systematic left, samples count.
+  EXPECT_EQ(verdict(1.2, 950, linear).word, "missing");
+  // Loses every run by about the same: told apart, however few the runs.
+  EXPECT_EQ(verdict(5, 950, {-450, -440, -460, -455}).word, "missing");
+  // A rival that hardly explains anything is none.
+  EXPECT_EQ(verdict(5, 300, linear).word, "missing");
+}
+
 TEST(Verdict, OfMeasurementOrNumericsAlone) {
   EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale"}, -100)}, 0.002, 0.5, 0.99).word, "measurement");
   EXPECT_EQ(judge({model({}, -500, 3), model({"time_step"}, -100)}, 0.002, 0.5, 0.99).word, "numerics");

@@ -107,6 +107,37 @@ TEST(Diagnosis, IsUnknownWhereTheForceIsInNoLibrary) {
   EXPECT_LE(d.where.front().p, 0.01);
 }
 
+TEST(Diagnosis, BlamesTheContactLawWhereTheOtherOneExplains) {
+  // An engine whose relaxed law gives each flight a kick of its own, which no effect of the library imitates.
+  const auto engine = [](const SimulationRequest& request) {
+    SimulationRequest kicked = request;
+    const Vec3 v = request.scene->bodies[0].velocity;
+    const double from = 0.1 + 0.05 * std::round(v.z());
+    if (request.scene->solver.law == ContactLaw::relaxed) kicked.loads.push_back({"ball", from, from + 0.08, 0.003 * Vec3(std::cos(9 * from), std::sin(9 * from), 0), Vec3::Zero()});
+    return fly(kicked);
+  };
+  Flights f = six(8, "{}");
+  Bundle bundle = flights(f);
+  Random random(8, 4);
+  for (BundleRun& run : bundle.runs) {
+    Scene truth = parse_scene(ball_scene(), "truth", run.set);
+    truth.solver.law = ContactLaw::relaxed;
+    SimulationRequest request;
+    request.scene = &truth;
+    request.until = f.duration;
+    Observation& o = run.observations[0];
+    o.position.clear();
+    observe(engine(request), o.time, o);
+    o.orientation.clear();
+    for (Vec3& x : o.position)
+      for (double& c : x) c += f.noise * normal(random);
+  }
+  const Diagnosis d = diagnose(bundle, engine, quick());
+  EXPECT_EQ(d.verdict.word, "numerics");
+  EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"engine_law"});
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
+}
+
 TEST(Diagnosis, RaisesFalseAlarmsAsRarelyAsItsDesign) {
   constexpr int cases = 120;
   int alarms = 0, low = 0;
