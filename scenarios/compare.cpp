@@ -102,8 +102,9 @@ Comparison planned(const Prepared& prepared, std::vector<Contender> contenders, 
   const std::string cells = !c.grid ? "" : fmt::format(" {} {} {} {} {} {} {}", c.grid->origin.x(), c.grid->origin.y(), c.grid->origin.z(), c.grid->ring,
                                                        c.grid->layer, c.grid->rings, c.grid->layers);
   const std::string build = std::string(version()) + " " + commit();
-  for (std::size_t v = 0; v < c.variants.size(); ++v)
-    for (std::size_t s = 0; s < c.seeds; ++s) {
+  // Seed by seed: after the first of them every backend has shown what a run costs, and the time left is no guess.
+  for (std::size_t s = 0; s < c.seeds; ++s)
+    for (std::size_t v = 0; v < c.variants.size(); ++v) {
       const std::uint64_t seed = options.seed + s;
       const CompareVariant& variant = c.variants[v];
       c.jobs.push_back({v, seed, job_key(variant.scene.text + refinement_key(variant.refinement) + cells, seed,
@@ -217,7 +218,7 @@ int main(int argc, char** argv) {
     app.add_option("--seeds", own.seeds, "runs per backend, numbered from --seed (default 5)")->type_name("N")->check(CLI::Range(1, 10000));
     app.add_flag("--no-refine", own.no_refine, "without the runs at half the step and a tenth of the tolerance");
     app.add_flag("--cost", own.cost, "instead: processor time per simulated second against the number of grains");
-    app.add_option("--grains", own.costs.grains, "with --cost: numbers of grains, ascending (default 50 to 20000)")->delimiter(',')->type_name("N,N...")
+    app.add_option("--grains", own.costs.grains, "with --cost: numbers of grains, ascending (default 10 to 20000)")->delimiter(',')->type_name("N,N...")
         ->check(CLI::Range(10, 10000000));
     app.add_option("--cap", own.costs.cap_s, "with --cost: processor seconds for one point; a backend's last is the one that reaches it (default 60)")
         ->type_name("S")->check(CLI::Range(0.01, 1e6));

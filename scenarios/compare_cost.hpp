@@ -13,7 +13,7 @@
 namespace repose {
 
 struct CostOptions {
-  std::vector<std::size_t> grains{50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000};
+  std::vector<std::size_t> grains{10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10000, 20000};
   double cap_s = 60;  ///< of processor time, per point
 };
 

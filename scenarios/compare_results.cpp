@@ -20,7 +20,7 @@ CompareResults::CompareResults(const Comparison& comparison, const JobsReport& r
   for (std::size_t j = 0; j < comparison.jobs.size(); ++j) {
     const CompareVariant& v = comparison.variants[comparison.jobs[j].scene];
     const std::optional<JobResult>& result = report.results[j];
-    if (result && result->failure.empty()) runs_[place(comparison, v.contender, v.refinement, j % comparison.seeds)] = &result->observables;
+    if (result && result->failure.empty()) runs_[place(comparison, v.contender, v.refinement, comparison.jobs[j].seed - comparison.jobs.front().seed)] = &result->observables;
   }
 }
 
