@@ -109,6 +109,8 @@ json diagnosis_json(const Diagnosis& d) {
                               {"extended", held ? score_json(d, best, true) : json::object()},
                               {"paired_p", d.paired_p},
                               {"effect_size", d.effect_size}};
+  result["compared"] = json::array();
+  for (const Compared& c : d.compared) result["compared"].push_back({{"run", c.run}, {"until", c.until}, {"recorded_until", c.recorded_until}});
   result["extended_scene"] = "extended.yaml";
   for (const auto& [name, noise] : d.noise) result["noise"][name] = {{"sd", noise.sd}, {"correlation", noise.phi}};
   result["remaining_p"] = d.remaining_p;

@@ -68,6 +68,7 @@ class Diagnosing {
       double end = 0;
       for (const Observation& o : data.run->observations)
         if (!o.time.empty()) end = std::max(end, o.time.back());
+      result_.compared.push_back({data.run->id, data.run->from + std::min(data.horizon, end), data.run->from + end});
       if (data.horizon < end)
         result_.notes.push_back(fmt::format("Run {} is compared up to {:.3g} s of {:.3g} s: beyond it the noise of its start no longer acts linearly.",
                                             data.run->id, data.run->from + data.horizon, data.run->from + end));

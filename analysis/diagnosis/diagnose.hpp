@@ -49,6 +49,12 @@ struct ResidualSample {  ///< for the report
   std::vector<double> time, nominal, extended;  ///< in sigma
 };
 
+/// How much of a run was compared: beyond `until` the noise of its start no longer acts linearly. [s], on the recording's clock.
+struct Compared {
+  std::string run;
+  double until = 0, recorded_until = 0;
+};
+
 struct Diagnosis {
   Verdict verdict;
   std::vector<FittedHypothesis> models;   ///< [0]: nominal; then as fitted
@@ -62,6 +68,7 @@ struct Diagnosis {
   std::vector<Dependence> depends_on;
   std::vector<SuggestedRecording> suggested;
   double paired_p = 1, effect_size = 0;
+  std::vector<Compared> compared;         ///< of each run in run_ids
   std::vector<std::string> run_ids;       ///< of the problem: training runs, then those held out
   std::size_t train_runs = 0;
   std::vector<ResidualSample> residuals;  ///< of at most six runs

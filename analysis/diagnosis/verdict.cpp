@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "analysis/two_samples.hpp"
 
@@ -18,6 +19,13 @@ std::string word_of(const Evidence& best) {
   for (const EffectSite site : best.sites)
     if (site != EffectSite::measurement && site != EffectSite::numerics) return "missing";
   return "measurement";
+}
+
+/// Does `large` hold every effect of `small`? Then it is no rival of it, but the same with more.
+bool nested(const Evidence& small, const Evidence& large) {
+  return std::all_of(small.effects.begin(), small.effects.end(), [&](const std::string& name) {
+    return std::find(large.effects.begin(), large.effects.end(), name) != large.effects.end();
+  });
 }
 
 /// Log odds of `rival` against `best` that the scatter of their differences between runs leaves open; 0 where one cannot tell.
@@ -88,10 +96,12 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   if (verdict.best == 0) return verdict;
   std::vector<std::string> others;
   const Evidence& best = evidence[static_cast<std::size_t>(verdict.best)];
-  for (std::size_t i = 1; i < evidence.size(); ++i) {
+  std::vector<std::size_t> nearest(evidence.size() - 1);
+  std::iota(nearest.begin(), nearest.end(), std::size_t{1});
+  std::stable_sort(nearest.begin(), nearest.end(), [&](std::size_t a, std::size_t b) { return score[a] > score[b]; });
+  for (const std::size_t i : nearest) {
     if (static_cast<int>(i) == verdict.best || score[static_cast<std::size_t>(verdict.best)] - score[i] > indistinguishable_within) continue;
-    // Only rivals of the same size: a pair that holds the best is no rival.
-    if (evidence[i].effects.size() != best.effects.size()) continue;
+    if (nested(best, evidence[i]) || nested(evidence[i], best)) continue;
     for (const std::string& name : evidence[i].effects)
       if (std::find(best.effects.begin(), best.effects.end(), name) == best.effects.end() &&
           std::find(others.begin(), others.end(), name) == others.end())

@@ -71,7 +71,7 @@ void check_ranked(const json& result, std::vector<std::string>& faults) {
 /// What is wrong with a diagnosis.json; empty: nothing.
 std::vector<std::string> faults_of(json result) {
   std::vector<std::string> faults;
-  for (const char* key : {"verdict", "missing", "ranked", "indistinguishable", "suggested_recordings", "where", "depends_on", "nominal", "fit", "extended_scene"})
+  for (const char* key : {"verdict", "missing", "ranked", "indistinguishable", "suggested_recordings", "where", "depends_on", "nominal", "fit", "extended_scene", "compared"})
     if (!result.contains(key)) faults.push_back(std::string("no key ") + key);
   if (!faults.empty()) return faults;
   const std::string verdict = result["verdict"];
@@ -102,6 +102,8 @@ std::vector<std::string> faults_of(json result) {
   check_fit(result["fit"]["train"], "fit.train", faults);
   check_fit(result["fit"]["heldout"], "fit.heldout", faults);
   if (!is_share(result["fit"]["heldout"]["paired_p"]) || !result["fit"]["heldout"]["effect_size"].is_number()) faults.push_back("fit.heldout.paired_p");
+  for (const json& c : result["compared"])
+    if (!c["run"].is_string() || !c["until"].is_number() || c["until"] > c["recorded_until"]) faults.push_back("compared");
   if (result["extended_scene"] != "extended.yaml") faults.push_back("extended_scene");
   return faults;
 }

@@ -51,6 +51,8 @@ TEST(Diagnosis, FindsDragNamesItAndProvesItOnRunsThatWereNotUsed) {
   EXPECT_LT(best.held_out.chi2_per_dof, 1.5);
   ASSERT_FALSE(d.where.empty());
   EXPECT_EQ(d.where.front().segment.phase, Phase::flight);
+  ASSERT_EQ(d.compared.size(), d.run_ids.size());
+  for (const Compared& c : d.compared) EXPECT_NEAR(c.until, 0.6, 1e-9) << c.run;  // nothing here is chaotic
 }
 
 TEST(Diagnosis, TheExtendedSceneGivesTheStatedScore) {
