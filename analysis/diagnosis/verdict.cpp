@@ -39,10 +39,12 @@ double log_odds_by_runs(const Evidence& best, const Evidence& rival) {
 /// Samples of one run share what is systematic in it; counted one by one they would make a winner of every rival.
 void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t best, std::vector<double>& score) {
   const Evidence& leader = evidence[best];
+  const auto held_out_gain = [&](const Evidence& e) { return e.held_out - evidence[0].held_out; };
   if (best == 0 || leader.lack_of_fit * leader.lack_of_fit <= plainly_more_than_noise) return;
   for (std::size_t i = 1; i < evidence.size(); ++i) {
     const Evidence& rival = evidence[i];
     if (i == best || rival.effects.size() != leader.effects.size() || rival.train_gain < least_explained * leader.train_gain) continue;
+    if (held_out_gain(rival) < least_explained * held_out_gain(leader)) continue;
     score[i] = std::max(score[i], score[best] + log_odds_by_runs(leader, rival));
   }
 }

@@ -43,8 +43,9 @@ inline constexpr double level = 0.01;  ///< of the lack of fit
 inline constexpr double plainly_more_than_noise = 2;
 
 /// `evidence[0]` is the nominal. Log likelihoods are divided by the square of the best model's scale (a model that leaves residuals
-/// of twice the noise has a quarter of the evidence). Where the best leaves plainly more than noise, the odds against a rival of the same
-/// size that explains at least half as much are no longer than a paired t test over runs bears out, p : 1 - p. `lack_of_fit_p` above `level`: none, whatever fits better by chance.
+/// of twice the noise has a quarter of the evidence). Where the best leaves plainly more than noise, the odds against a rival of the
+/// same size that explains at least half as much, on training and held-out runs, are no longer than a paired t test over runs bears
+/// out, p : 1 - p. Nested models are no rivals. `lack_of_fit_p` above `level`: none, whatever fits better by chance.
 /// `remaining_p`: lack of fit of the best model; `explained`: share of the nominal's excess chi^2 that it removes.
 Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, double explained);
 

@@ -105,6 +105,8 @@ TEST(Verdict, CountsRunsNotSamplesWhereTheBestLeavesMoreThanNoise) {
   EXPECT_EQ(verdict(5, 950, {-450, -440, -460, -455}).word, "missing");
   // A rival that hardly explains anything is none.
   EXPECT_EQ(verdict(5, 300, linear).word, "missing");
+  // Nor is one that fails where it was not fitted, however much the runs scatter.
+  EXPECT_EQ(verdict(5, 950, {-250, -220, -800, -30000}).word, "missing");
 }
 
 TEST(Verdict, OfMeasurementOrNumericsAlone) {
