@@ -179,7 +179,10 @@ int main(int argc, char** argv) {
         ->check(known_effect());
     app.add_option("--bootstrap", own.bootstrap, "so many recordings are simulated from the nominal fit and diagnosed anew, for its lack of fit (default 0: noise alone)")
         ->type_name("N")
-        ->check(CLI::Range(0, 100000));
-    app.add_option("--replicas", own.replicas, "of noise, for p values (default 499)")->type_name("N")->check(CLI::Range(99, 100000));
+        ->check(CLI::Range(0, 0) | CLI::Range(99, 100000));  // fewer could never reach the level of 1 %
+    // Two tests share the level, so that the least p is 2 / (N + 1).
+    app.add_option("--replicas", own.replicas, "of noise, for p values; fewer than 199 could not show a lack of fit at 1 % (default 499)")
+        ->type_name("N")
+        ->check(CLI::Range(199, 100000));
   });
 }
