@@ -1,7 +1,7 @@
 #include "analysis/statistics.hpp"
 
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "core/error.hpp"
@@ -54,19 +54,6 @@ void require_pairs(std::span<const double> x, std::span<const double> y) {
   require_finite(y);
 }
 
-double student_t_cdf(double t, int dof) {
-  const double theta = std::atan(t / std::sqrt(dof));
-  const double c = std::cos(theta), s = std::sin(theta);
-  double term = dof % 2 ? c : 1, sum = 0;
-  for (int k = dof % 2 ? 3 : 2; k <= dof; k += 2) {
-    sum += term;
-    term *= c * c * (k - 1) / k;
-  }
-  // A: probability of |T| <= |t|, with the sign of t.
-  const double a = dof % 2 ? 2 / std::numbers::pi * (theta + s * sum) : s * sum;
-  return 0.5 + 0.5 * a;
-}
-
 }  // namespace
 
 Summary summarise(std::span<const double> values) {
@@ -111,15 +98,7 @@ Line fit_line(std::span<const double> x, std::span<const double> y, std::span<co
 double student_t_quantile(double probability, int dof) {
   if (!(probability > 0 && probability < 1) || dof < 1)
     throw Error("statistics", "Student's quantile needs a probability in (0, 1) and dof >= 1", "");
-  if (probability < 0.5) return -student_t_quantile(1 - probability, dof);
-  double low = 0, high = 1;
-  while (student_t_cdf(high, dof) < probability && high < 1e300) high *= 2;
-  for (int i = 0; i < 200 && low < high; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle == low || middle == high) break;
-    (student_t_cdf(middle, dof) < probability ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  return boost::math::quantile(boost::math::students_t(dof), probability);
 }
 
 }  // namespace repose

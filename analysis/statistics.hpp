@@ -34,8 +34,7 @@ Line fit_line(std::span<const double> x, std::span<const double> y);
 Line fit_line(std::span<const double> x, std::span<const double> y, std::span<const double> sigma);
 
 /// The t with P(T <= t) = `probability` for Student's distribution with `dof` >= 1 degrees of freedom.
-/// The distribution function is the finite trigonometric series for whole degrees of freedom (Abramowitz & Stegun 26.7.3
-/// and 26.7.4), inverted by bisection to rounding. `probability` in (0, 1).
+/// `probability` in (0, 1).
 double student_t_quantile(double probability, int dof);
 
 }  // namespace repose

@@ -12,6 +12,9 @@ struct MeanDifference {
   double dof = 0;     ///< degrees of freedom of the error, may be broken; 0 if there is no error
   double t = 0;       ///< value / se; 0 if both are 0, infinite with its sign if only se is
   double p = 1;       ///< two-sided, of Student's distribution; 0 if t is infinite
+
+  /// One-sided: how likely so large a difference is, or a larger one, if a is not greater than b.
+  double p_greater() const { return value > 0 ? p / 2 : 1 - p / 2; }
 };
 
 /// a_i and b_i belong together (the same grains): se = sd(a_i - b_i) / sqrt(n), dof = n - 1. Throws Error unless both have the

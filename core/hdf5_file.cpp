@@ -213,6 +213,42 @@ struct Hdf5Reader::Impl {
   [[noreturn]] void fail(const std::string& path, const std::string& problem) const {
     throw Error(path.empty() ? name : name + ":" + path, problem, remedy);
   }
+  Id open(const std::string& path) const {
+    Id set(H5Dopen2(file, path.c_str(), H5P_DEFAULT));
+    if (!set.valid()) fail(path, "this dataset is missing or cannot be opened");
+    return set;
+  }
+  /// `count` strings of a dataset, or of one field of its records.
+  std::vector<std::string> strings(const std::string& path, hid_t set, const std::string& field, hid_t stored,
+                                   std::size_t count) const {
+    std::vector<std::string> texts(count);
+    if (count == 0) return texts;
+    const Id memory = of_field(field, stored);
+    if (H5Tis_variable_str(stored) > 0) {
+      std::vector<char*> pointers(count, nullptr);
+      if (H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, pointers.data()) < 0) fail(path, "is damaged");
+      for (std::size_t i = 0; i < count; ++i)
+        if (pointers[i] != nullptr) texts[i] = pointers[i];
+      const Id space(H5Dget_space(set));
+      H5Dvlen_reclaim(memory, space, H5P_DEFAULT, pointers.data());
+      return texts;
+    }
+    const std::size_t length = H5Tget_size(stored);
+    std::string all(length * count, '\0');
+    if (H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()) < 0) fail(path, "is damaged");
+    for (std::size_t i = 0; i < count; ++i) {
+      texts[i] = all.substr(i * length, length);
+      texts[i].resize(std::min(texts[i].find('\0'), texts[i].size()));
+    }
+    return texts;
+  }
+  /// The type in memory of a whole value, or of a record that holds nothing but `field`.
+  static Id of_field(const std::string& field, hid_t value) {
+    if (field.empty()) return Id(H5Tcopy(value));
+    Id record(H5Tcreate(H5T_COMPOUND, H5Tget_size(value)));
+    H5Tinsert(record, field.c_str(), 0, value);
+    return record;
+  }
 };
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& file, std::string remedy) : impl_(std::make_unique<Impl>()) {
@@ -246,8 +282,7 @@ bool Hdf5Reader::has(const std::string& path) const {
 template <class T>
 std::vector<T> Hdf5Reader::read(const std::string& path, std::size_t columns, std::size_t rows) const {
   Silence silence;
-  const Id set(H5Dopen2(impl_->file, path.c_str(), H5P_DEFAULT));
-  if (!set.valid()) impl_->fail(path, "this dataset is missing or cannot be opened");
+  const Id set = impl_->open(path);
   const Id space(H5Dget_space(set));
   std::array<hsize_t, 2> extent{0, 1};
   const int rank = H5Sget_simple_extent_ndims(space);
@@ -267,16 +302,66 @@ std::vector<T> Hdf5Reader::read(const std::string& path, std::size_t columns, st
 
 std::string Hdf5Reader::read_text(const std::string& path) const {
   Silence silence;
-  const Id set(H5Dopen2(impl_->file, path.c_str(), H5P_DEFAULT));
-  if (!set.valid()) impl_->fail(path, "this dataset is missing or cannot be opened");
+  const Id set = impl_->open(path);
   const Id stored(H5Dget_type(set));
   const Id space(H5Dget_space(set));
-  if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) > 0 || H5Sget_simple_extent_npoints(space) != 1)
-    impl_->fail(path, "is not a text");
-  std::string text(H5Tget_size(stored), '\0');
-  if (H5Dread(set, stored, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) impl_->fail(path, "is damaged");
-  text.resize(std::min(text.find('\0'), text.size()));
-  return text;
+  if (H5Tget_class(stored) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1) impl_->fail(path, "is not a text");
+  return impl_->strings(path, set, "", stored, 1).front();
+}
+
+Hdf5Reader::Kind Hdf5Reader::kind(const std::string& path) const {
+  Silence silence;
+  const Id object(H5Oopen(impl_->file, path.c_str(), H5P_DEFAULT));
+  if (!object.valid()) return Kind::nothing;
+  if (H5Iget_type(object) == H5I_GROUP) return Kind::group;
+  if (H5Iget_type(object) != H5I_DATASET) return Kind::other;
+  const Id stored(H5Dget_type(object));
+  const Id space(H5Dget_space(object));
+  const int rank = H5Sget_simple_extent_ndims(space);
+  const H5T_class_t type = H5Tget_class(stored);
+  if (type == H5T_STRING && H5Sget_simple_extent_npoints(space) == 1) return Kind::text;
+  if (type == H5T_COMPOUND && rank == 1) return Kind::table;
+  const bool plain = type == H5T_STRING || type == H5T_FLOAT || type == H5T_INTEGER;
+  return plain && rank == 1 ? Kind::list : Kind::other;
+}
+
+std::vector<std::string> Hdf5Reader::fields(const std::string& path) const {
+  Silence silence;
+  const Id set = impl_->open(path);
+  const Id stored(H5Dget_type(set));
+  if (H5Tget_class(stored) != H5T_COMPOUND) impl_->fail(path, "is not a table");
+  std::vector<std::string> names;
+  for (int i = 0; i < H5Tget_nmembers(stored); ++i) {
+    char* name = H5Tget_member_name(stored, static_cast<unsigned>(i));
+    names.emplace_back(name);
+    H5free_memory(name);
+  }
+  return names;
+}
+
+Hdf5Reader::Column Hdf5Reader::column(const std::string& path, const std::string& field) const {
+  Silence silence;
+  const Id set = impl_->open(path);
+  const Id space(H5Dget_space(set));
+  if (H5Sget_simple_extent_ndims(space) > 1) impl_->fail(path, "has an unexpected number of dimensions");
+  Id value(H5Dget_type(set));
+  if (!field.empty()) {
+    const int index = H5Tget_class(value) == H5T_COMPOUND ? H5Tget_member_index(value, field.c_str()) : -1;
+    if (index < 0) impl_->fail(path, "has no field `" + field + "`");
+    value = Id(H5Tget_member_type(value, static_cast<unsigned>(index)));
+  }
+  const std::string place = field.empty() ? path : path + "." + field;
+  const auto count = static_cast<std::size_t>(H5Sget_simple_extent_npoints(space));
+  // A damaged header may claim an extent that no memory holds.
+  if (count > std::size_t{1} << 32) impl_->fail(place, "is damaged");
+  const H5T_class_t type = H5Tget_class(value);
+  if (type == H5T_STRING) return impl_->strings(place, set, field, value, count);
+  if (type != H5T_FLOAT && type != H5T_INTEGER) impl_->fail(place, "holds neither numbers nor strings");
+  std::vector<double> numbers(count);
+  const Id memory = Impl::of_field(field, H5T_NATIVE_DOUBLE);
+  if (count > 0 && H5Dread(set, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) < 0)
+    impl_->fail(place, "is damaged or of another type");
+  return numbers;
 }
 
 std::vector<std::string> Hdf5Reader::members(const std::string& path) const {

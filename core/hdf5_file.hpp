@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace repose {
@@ -62,7 +63,23 @@ class Hdf5Reader {
   /// All values of a dataset, converted to T. With `rows` or `columns` given, another extent is an Error.
   template <class T>
   std::vector<T> read(const std::string& path, std::size_t columns = 1, std::size_t rows = any) const;
+  /// A scalar string, of fixed or variable length.
   std::string read_text(const std::string& path) const;
+  /// What stands under a path.
+  enum class Kind {
+    nothing,
+    group,
+    text,   ///< one string
+    table,  ///< a list of records with named fields
+    list,   ///< numbers or strings, one-dimensional
+    other,
+  };
+  Kind kind(const std::string& path) const;
+  /// Names of the fields of a table, in their order.
+  std::vector<std::string> fields(const std::string& path) const;
+  /// A list (`field` empty) or one field of a table: numbers as double, or strings.
+  using Column = std::variant<std::vector<double>, std::vector<std::string>>;
+  Column column(const std::string& path, const std::string& field = "") const;
   /// Names of the members of a group, sorted.
   std::vector<std::string> members(const std::string& path) const;
 

@@ -7,10 +7,10 @@
 #include <optional>
 #include <set>
 
+#include "analysis/bundle/bundle_files.hpp"
 #include "analysis/bundle/bundle_units.hpp"
 #include "analysis/bundle/numeric_key.hpp"
 #include "analysis/bundle/windows.hpp"
-#include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
 
@@ -18,18 +18,6 @@ namespace repose {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// recording.yaml of a folder, or the file itself.
-fs::path recording_file(const fs::path& path) {
-  std::error_code ignored;
-  if (!fs::exists(path, ignored))
-    throw Error(path.string(), "no such bundle", "name a folder that holds recording.yaml");
-  if (!fs::is_directory(path, ignored)) return path;
-  const fs::path file = path / "recording.yaml";
-  if (!fs::is_regular_file(file, ignored))
-    throw Error(path.string(), "holds no recording.yaml", "a bundle is a folder with recording.yaml and CSV files");
-  return file;
-}
 
 /// A key whose value is a number or a list of numbers, in a named part of the scene that exists.
 void check_key(const YamlReader& reader, const std::string& key, const std::string& text, const YamlNode& tree,
@@ -54,15 +42,11 @@ std::string start_text(const std::string& key) {
 
 class BundleReader {
  public:
-  BundleReader(const fs::path& file, const fs::path& root, const std::vector<Override>& overrides)
-      : file_(file), root_(root.empty() ? folder_of(file) : root), overrides_(overrides) {}
+  BundleReader(const BundleFiles& files, const std::vector<Override>& overrides) : files_(files), overrides_(overrides) {}
 
   Bundle read() {
-    std::error_code ignored;
-    if (!fs::is_directory(root_, ignored))
-      throw Error("--root " + root_.string(), "no such folder", "name the folder of the CSV files");
-    const YamlNode tree = parse_yaml(read_bytes(file_), file_.string());
-    const YamlReader top(tree, file_.string());
+    const YamlNode tree = parse_yaml(files_.recording(), files_.recording_name());
+    const YamlReader top(tree, files_.recording_name());
     top.only({"title", "source", "licence", "scene", "calibrate", "noise", "windows", "runs"});
     if (top.has("title")) bundle_.title = top.at("title").text();
     if (top.has("source")) bundle_.source = top.at("source").text();
@@ -92,17 +76,13 @@ class BundleReader {
   }
 
  private:
-  static fs::path folder_of(const fs::path& file) {
-    return file.has_parent_path() ? file.parent_path() : fs::path(".");
-  }
-
   void read_scene(const YamlReader& reader) {
-    bundle_.scene_file = folder_of(file_) / reader.text();
-    std::error_code ignored;
-    if (!fs::is_regular_file(bundle_.scene_file, ignored))
+    bundle_.scene_file = files_.scene_name(reader.text());
+    if (!files_.has_scene(reader.text()))
       reader.fail(fmt::format("there is no file {}", bundle_.scene_file.string()),
                   "the scene's file name is relative to recording.yaml");
-    bundle_.scene = load_scene(bundle_.scene_file, overrides_);
+    bundle_.scene =
+        parse_scene(files_.scene(reader.text()), bundle_.scene_file.string(), overrides_, bundle_.scene_file.parent_path());
     scene_tree_ = parse_yaml(bundle_.scene.text, bundle_.scene_file.string());
   }
 
@@ -123,12 +103,12 @@ class BundleReader {
         try {
           set_path(tree, entry.key, run.set.back().value);
         } catch (const Error& problem) {
-          throw Error(fmt::format("{}:{}: {}.{}", file_.string(), entry.line, set.path(), entry.key), problem.problem(),
+          throw Error(fmt::format("{}:{}: {}.{}", files_.recording_name(), entry.line, set.path(), entry.key), problem.problem(),
                       problem.remedy());
         }
       }
       try {
-        scene = parse_scene(emit_yaml(tree), bundle_.scene_file.string(), {}, folder_of(bundle_.scene_file));
+        scene = parse_scene(emit_yaml(tree), bundle_.scene_file.string(), {}, bundle_.scene_file.parent_path());
       } catch (const Error& problem) {
         set.fail(fmt::format("with these keys the scene is refused: {}", problem.what()), "");
       }
@@ -145,7 +125,7 @@ class BundleReader {
     }
     const std::vector<YamlReader> observables = reader.at("observables").items();
     if (observables.empty()) reader.at("observables").fail("a run without observables", "leave the run out");
-    for (const YamlReader& entry : observables) run.observations.push_back(read_observation(entry, root_, scene));
+    for (const YamlReader& entry : observables) run.observations.push_back(read_observation(entry, files_, scene));
     if (reader.has("from") || reader.has("until")) read_window(reader, run);
     if (windows_ && run.free.empty())
       reader.fail("`windows` begin anew, but this run has no `free` start values", "name its start values in `free`");
@@ -192,7 +172,7 @@ class BundleReader {
                                                                            : dimension::none));
   }
 
-  const fs::path file_, root_;
+  const BundleFiles& files_;
   const std::vector<Override>& overrides_;
   Bundle bundle_;
   std::optional<double> windows_;  // [s]
@@ -202,7 +182,7 @@ class BundleReader {
 }  // namespace
 
 Bundle read_bundle(const fs::path& path, const fs::path& root, const std::vector<Override>& overrides) {
-  return BundleReader(recording_file(path), root, overrides).read();
+  return BundleReader(*open_bundle_files(path, root), overrides).read();
 }
 
 }  // namespace repose

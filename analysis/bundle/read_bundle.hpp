@@ -1,16 +1,17 @@
 #pragma once
-/// Reads and checks a recording bundle: recording.yaml, the nominal scene, and every CSV file.
+/// Reads and checks a recording bundle: recording.yaml, the nominal scene, and every table of data.
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "analysis/bundle/bundle.hpp"
+#include "analysis/bundle/bundle_files.hpp"
 #include "core/scene_yaml.hpp"
 #include "core/yaml_reader.hpp"
 
 namespace repose {
 
-/// `path`: the folder, or its recording.yaml. `root`: where the CSV files lie; empty: beside recording.yaml.
+/// `path`: the folder, its recording.yaml, or an HDF5 file. `root`: where the CSV files lie if not there (bundle_files.hpp).
 /// `overrides` change the nominal scene. Throws Error naming file, line and key or column for: missing files, unknown
 /// keys (with the nearest), runs of the same id, bodies that the scene does not have, scene keys that it refuses, times
 /// that do not ascend, lengths and times in another unit (bundle_units.hpp), numbers that are not finite, quaternions off unit length by more than 1 %, an observation
@@ -19,9 +20,9 @@ namespace repose {
 Bundle read_bundle(const std::filesystem::path& path, const std::filesystem::path& root = {},
                    const std::vector<Override>& overrides = {});
 
-/// One entry of `observables`, with its CSV file below `root`. `scene`: names the bodies. A wholly empty column is an
+/// One entry of `observables`, with its data out of `files`. `scene`: names the bodies. A wholly empty column is an
 /// axis that was not observed.
-Observation read_observation(const YamlReader& entry, const std::filesystem::path& root, const Scene& scene);
+Observation read_observation(const YamlReader& entry, const BundleFiles& files, const Scene& scene);
 
 /// Drops the samples of a trajectory or a series outside from <= time <= until [s]; times then count from `from`.
 void cut(Observation& observation, double from, double until);

@@ -191,7 +191,7 @@ void cut(Observation& o, double from, double until) {
   o.value.resize(std::min(kept, o.value.size()));
 }
 
-Observation read_observation(const YamlReader& entry, const std::filesystem::path& root, const Scene& scene) {
+Observation read_observation(const YamlReader& entry, const BundleFiles& files, const Scene& scene) {
   Observation o;
   o.kind =
       static_cast<ObservableKind>(entry.at("kind").choice({"trajectory", "series", "profile", "surface", "scalar"}));
@@ -229,7 +229,7 @@ Observation read_observation(const YamlReader& entry, const std::filesystem::pat
     return o;
   }
   o.file = entry.at("file").text();
-  const CsvTable table = read_csv(root / o.file);
+  const CsvTable table = files.table(o.file);
   switch (o.kind) {
     case ObservableKind::trajectory:
       read_trajectory(table, o);

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "analysis/diagnosis/bulk_campaign.hpp"
 #include "analysis/diagnosis/bulk_data.hpp"
 #include "analysis/diagnosis/bulk_statistics.hpp"
+#include "analysis/diagnosis/score.hpp"
 #include "analysis/statistics.hpp"
 #include "core/yaml_tree.hpp"
 
@@ -182,14 +182,15 @@ class BulkDiagnosing {
     const std::vector<double>& a = models_.front()->posterior.held_of_run;
     const std::vector<double>& b = models_[result_.best]->posterior.held_of_run;
     if (result_.best == 0 || a.size() < 2) return;
-    std::vector<double> gain;
-    for (std::size_t i = 0; i < a.size(); ++i)
-      if (std::isfinite(a[i]) && std::isfinite(b[i])) gain.push_back(b[i] - a[i]);
-    if (gain.size() < 2) return;
-    const repose::Summary s = summarise(gain);
-    if (!(s.sd > 0)) return;
-    result_.effect_size = s.mean / s.sd;
-    result_.paired_p = boost::math::cdf(boost::math::complement(boost::math::students_t(static_cast<double>(gain.size() - 1)), s.mean / s.se));
+    std::vector<double> nominal, extended;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      if (!std::isfinite(a[i]) || !std::isfinite(b[i])) continue;
+      nominal.push_back(a[i]);
+      extended.push_back(b[i]);
+    }
+    const PairedGain gain = paired_gain(nominal, extended);
+    result_.paired_p = gain.p;
+    result_.effect_size = gain.effect_size;
   }
 
   /// The best against those it cannot be told from, else against its nearest rival.

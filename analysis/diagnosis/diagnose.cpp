@@ -189,7 +189,7 @@ class Diagnosing {
     nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
     if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted, options_.seed, fit_options_);
     note_combinations(best);
-    const PairedGain gain = paired_gain(nominal.held_out, best.held_out);
+    const PairedGain gain = paired_gain(nominal.held_out.per_run, best.held_out.per_run);
     result_.paired_p = gain.p;
     result_.effect_size = gain.effect_size;
     suggest();

@@ -37,13 +37,13 @@ Score score_of(const Problem& problem, const Fit& fit) {
   return score;
 }
 
-PairedGain paired_gain(const Score& nominal, const Score& extended) {
+PairedGain paired_gain(std::span<const double> nominal, std::span<const double> extended) {
   PairedGain gain;
-  if (nominal.per_run.size() < 2) return gain;
-  const MeanDifference d = paired_difference(extended.per_run, nominal.per_run);
-  const double n = static_cast<double>(nominal.per_run.size());
+  if (nominal.size() < 2) return gain;
+  const MeanDifference d = paired_difference(extended, nominal);
+  const double n = static_cast<double>(nominal.size());
   if (d.se > 0) gain.effect_size = d.value / (d.se * std::sqrt(n));
-  gain.p = d.value > 0 ? d.p / 2 : 1 - d.p / 2;
+  gain.p = d.p_greater();
   return gain;
 }
 

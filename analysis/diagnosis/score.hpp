@@ -1,6 +1,7 @@
 #pragma once
 /// What a fit leaves on a set of runs, and whether a second one leaves less.
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,6 @@ struct PairedGain {
   double p = 1;            ///< one-sided, paired t test over runs; 1 with fewer than two runs
   double effect_size = 0;  ///< mean over standard deviation of the difference; 0 with fewer than two runs
 };
-PairedGain paired_gain(const Score& nominal, const Score& extended);
+PairedGain paired_gain(std::span<const double> nominal, std::span<const double> extended);
 
 }  // namespace repose::diagnosis

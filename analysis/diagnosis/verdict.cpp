@@ -32,7 +32,7 @@ bool nested(const Evidence& small, const Evidence& large) {
 double log_odds_by_runs(const Evidence& best, const Evidence& rival) {
   if (best.per_run.size() < 2) return 0;
   const MeanDifference d = paired_difference(best.per_run, rival.per_run);
-  const double p = d.value > 0 ? d.p / 2 : 0.5;
+  const double p = std::min(0.5, d.p_greater());
   return std::log(p / (1 - p));
 }
 

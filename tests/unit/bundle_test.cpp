@@ -27,7 +27,7 @@ duration: 0.3
 )";
 
 /// A folder of its own for each test.
-class BundleFiles : public ::testing::Test {
+class BundleFolder : public ::testing::Test {
  protected:
   void SetUp() override {
     folder = fs::temp_directory_path() /
@@ -61,7 +61,7 @@ class BundleFiles : public ::testing::Test {
   fs::path folder;
 };
 
-TEST_F(BundleFiles, EmptyFieldsAreNotObserved) {
+TEST_F(BundleFolder, EmptyFieldsAreNotObserved) {
   const Bundle bundle = read_bundle(folder);
   const Observation& o = bundle.runs.at(0).observations.at(0);
   ASSERT_EQ(o.time.size(), 3U);
@@ -71,7 +71,7 @@ TEST_F(BundleFiles, EmptyFieldsAreNotObserved) {
   EXPECT_TRUE(o.orientation.empty());
 }
 
-TEST_F(BundleFiles, KeepsWhatTheExperimenterSaid) {
+TEST_F(BundleFolder, KeepsWhatTheExperimenterSaid) {
   write("recording.yaml",
         yaml("    set: {bodies.ball.velocity: [1, 0, 0]}\n    free: [bodies.ball.position]\n    held_out: true\n",
              "calibrate: [pairs.steel-steel.friction]\nnoise: {position: 1 mm}\n") +
@@ -84,7 +84,7 @@ TEST_F(BundleFiles, KeepsWhatTheExperimenterSaid) {
   EXPECT_DOUBLE_EQ(bundle.runs.at(1).observations.at(0).scalar, 32.93);
 }
 
-TEST_F(BundleFiles, AWindowDropsSamplesAndCountsFromItsBeginning) {
+TEST_F(BundleFolder, AWindowDropsSamplesAndCountsFromItsBeginning) {
   write("a.csv", "time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03,,0.95\n0.2,ball,0.06,,0.8\n0.3,ball,0.09,,0.6\n");
   write("recording.yaml", yaml("    from: 50 ms\n    until: 0.25\n"));
   const Bundle bundle = read_bundle(folder);
@@ -112,7 +112,7 @@ std::string kinked() {
   return text;
 }
 
-TEST_F(BundleFiles, WindowsHoldEverySampleOnceAndBeginWhereThePathIsSmooth) {
+TEST_F(BundleFolder, WindowsHoldEverySampleOnceAndBeginWhereThePathIsSmooth) {
   write("a.csv", kinked());
   const std::string twin =
       "  - id: b\n    held_out: true\n    free: [bodies.ball.velocity]\n"
@@ -138,14 +138,14 @@ TEST_F(BundleFiles, WindowsHoldEverySampleOnceAndBeginWhereThePathIsSmooth) {
   expect_refusal("windows", "held_out");
 }
 
-TEST_F(BundleFiles, StartValuesMayBeComponentsAndNumbers) {
+TEST_F(BundleFolder, StartValuesMayBeComponentsAndNumbers) {
   write("recording.yaml", yaml("    free: [bodies.ball.velocity.2, shapes.ball.radius, bodies.ball.orientation]\n"));
   EXPECT_EQ(read_bundle(folder).runs[0].free.size(), 3u);
   write("recording.yaml", yaml("    free: [bodies.ball.speed.2]\n"));
   EXPECT_NE(refusal(), "");
 }
 
-TEST_F(BundleFiles, RefusesWithPlaceAndRemedy) {
+TEST_F(BundleFolder, RefusesWithPlaceAndRemedy) {
   EXPECT_EQ(refusal(), "");
   const auto with_csv = [&](const std::string& text) { write("a.csv", text); };
   const auto with_yaml = [&](const std::string& text) {
@@ -209,14 +209,14 @@ TEST_F(BundleFiles, RefusesWithPlaceAndRemedy) {
   expect_refusal("every run is held out", "for some");
 }
 
-TEST_F(BundleFiles, SaysWhatIsDoubtful) {
+TEST_F(BundleFolder, SaysWhatIsDoubtful) {
   write("recording.yaml", yaml() + "  - id: b\n    observables: [{kind: trajectory, body: ball, file: a.csv}]\n");
   const Bundle bundle = read_bundle(folder);
   ASSERT_EQ(bundle.warnings.size(), 1U);
   EXPECT_NE(bundle.warnings[0].find("same data"), std::string::npos);
 }
 
-TEST_F(BundleFiles, WrittenAndReadAgainIsTheSame) {
+TEST_F(BundleFolder, WrittenAndReadAgainIsTheSame) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Bundle bundle = read_bundle(folder);
   bundle.noise["position"] = 1e-3;

@@ -220,13 +220,13 @@ TEST(Score, OfTwoModelsIsPairedByRun) {
   Score nominal, extended;
   nominal.per_run = {-10, -20, -30, -40};
   extended.per_run = {-8, -17, -28, -37};
-  const PairedGain gain = paired_gain(nominal, extended);
+  const PairedGain gain = paired_gain(nominal.per_run, extended.per_run);
   // Differences 2, 3, 2, 3: mean 2.5, standard deviation 0.577, t = 8.66 with three degrees of freedom.
   EXPECT_NEAR(gain.effect_size, 2.5 / 0.57735, 1e-4);
   EXPECT_NEAR(gain.p, 0.0016, 2e-4);
-  EXPECT_NEAR(paired_gain(extended, nominal).p, 1 - gain.p, 1e-9);
+  EXPECT_NEAR(paired_gain(extended.per_run, nominal.per_run).p, 1 - gain.p, 1e-9);
   nominal.per_run = extended.per_run = {-1};
-  EXPECT_EQ(paired_gain(nominal, extended).p, 1);
+  EXPECT_EQ(paired_gain(nominal.per_run, extended.per_run).p, 1);
 }
 
 }  // namespace
