@@ -49,6 +49,42 @@ void inline_proportions(YamlNode& root, const std::string& name, const std::file
   *block = std::move(content);
 }
 
+/// A tree whose proportions are in it.
+Scene scene_of(const YamlNode& tree, const std::string& name, const std::filesystem::path& folder) {
+  if (tree.kind != YamlNode::Kind::map)
+    throw Error(name, fmt::format("is {}; a scene is a map", describe(tree)),
+                "write blocks such as `materials:`, `pairs:`, `bodies:`, `duration:`");
+  const YamlReader root(tree, name);
+  root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "periodic", "effects",
+             "layer", "solver", "duration", "frame_interval", "record"});
+  Scene scene;
+  read_materials(root.at("materials"), scene);
+  if (root.has("pairs")) read_pairs(root.at("pairs"), scene);
+  if (root.has("grain_shapes")) read_proportions(root.at("grain_shapes"), scene);
+  if (root.has("shapes")) read_shapes(root.at("shapes"), folder, scene);
+  if (root.has("bodies")) read_bodies(root.at("bodies"), scene);
+  if (root.has("grains")) read_grains(root.at("grains"), folder, scene);
+  if (root.has("tools")) read_tools(root.at("tools"), scene);
+  if (root.has("layer")) read_layer(root.at("layer"), scene);
+  root.read("gravity", scene.gravity, any(dimension::acceleration));
+  if (root.has("periodic")) read_periodic(root.at("periodic"), scene);
+  if (root.has("effects")) read_effects(root.at("effects"), scene);
+  if (root.has("solver")) read_solver(root.at("solver"), scene);
+  root.require("duration", scene.duration, positive(dimension::time));
+  scene.frame_interval = std::max(scene.duration / 100, scene.solver.time_step);
+  root.read("frame_interval", scene.frame_interval, positive(dimension::time));
+  if (root.has("record")) check_record(root.at("record"));
+
+  for (const Tool& tool : scene.tools)
+    for (const SceneBody& body : scene.bodies)
+      if (tool.name == body.name)
+        root.at("tools").at(tool.name).fail("a body has the same name",
+                                            "names of bodies and tools are one list: rename one");
+  if (scene.bodies.empty() && scene.grains.empty())
+    root.fail("nothing to simulate: neither `bodies` nor `grains`", "add a body or a population of grains");
+  return scene;
+}
+
 }  // namespace
 
 void read_solver(const YamlReader& block, Scene& scene) {
@@ -82,45 +118,15 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
   YamlNode tree = parse_yaml(text, name);
   if (tree.kind == YamlNode::Kind::map)
     for (const Override& change : overrides) set_path(tree, change.path, change.value);
-  return read_scene(std::move(tree), name, folder);
+  inline_proportions(tree, name, folder);
+  Scene scene = scene_of(tree, name, folder);
+  scene.text = emit_yaml(tree);
+  return scene;
 }
 
 Scene read_scene(YamlNode tree, const std::string& name, const std::filesystem::path& folder) {
-  if (tree.kind != YamlNode::Kind::map)
-    throw Error(name, fmt::format("is {}; a scene is a map", describe(tree)),
-                "write blocks such as `materials:`, `pairs:`, `bodies:`, `duration:`");
   inline_proportions(tree, name, folder);
-
-  const YamlReader root(tree, name);
-  root.only({"materials", "pairs", "shapes", "bodies", "grains", "tools", "grain_shapes", "gravity", "periodic", "effects",
-             "layer", "solver", "duration", "frame_interval", "record"});
-  Scene scene;
-  read_materials(root.at("materials"), scene);
-  if (root.has("pairs")) read_pairs(root.at("pairs"), scene);
-  if (root.has("grain_shapes")) read_proportions(root.at("grain_shapes"), scene);
-  if (root.has("shapes")) read_shapes(root.at("shapes"), folder, scene);
-  if (root.has("bodies")) read_bodies(root.at("bodies"), scene);
-  if (root.has("grains")) read_grains(root.at("grains"), folder, scene);
-  if (root.has("tools")) read_tools(root.at("tools"), scene);
-  if (root.has("layer")) read_layer(root.at("layer"), scene);
-  root.read("gravity", scene.gravity, any(dimension::acceleration));
-  if (root.has("periodic")) read_periodic(root.at("periodic"), scene);
-  if (root.has("effects")) read_effects(root.at("effects"), scene);
-  if (root.has("solver")) read_solver(root.at("solver"), scene);
-  root.require("duration", scene.duration, positive(dimension::time));
-  scene.frame_interval = std::max(scene.duration / 100, scene.solver.time_step);
-  root.read("frame_interval", scene.frame_interval, positive(dimension::time));
-  if (root.has("record")) check_record(root.at("record"));
-
-  for (const Tool& tool : scene.tools)
-    for (const SceneBody& body : scene.bodies)
-      if (tool.name == body.name)
-        root.at("tools").at(tool.name).fail("a body has the same name",
-                                            "names of bodies and tools are one list: rename one");
-  if (scene.bodies.empty() && scene.grains.empty())
-    root.fail("nothing to simulate: neither `bodies` nor `grains`", "add a body or a population of grains");
-  scene.text = emit_yaml(tree);
-  return scene;
+  return scene_of(tree, name, folder);
 }
 
 Scene load_scene(const std::filesystem::path& file, const std::vector<Override>& overrides) {

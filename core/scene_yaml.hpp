@@ -22,7 +22,7 @@ Scene load_scene(const std::filesystem::path& file, const std::vector<Override>&
 Scene parse_scene(const std::string& text, const std::string& name, const std::vector<Override>& overrides = {},
                   const std::filesystem::path& folder = ".");
 
-/// As above from a tree that has been parsed already.
+/// As above from a tree that has been parsed already. Scene::text stays empty: to write it takes longer than to read the tree.
 Scene read_scene(YamlNode tree, const std::string& name, const std::filesystem::path& folder = ".");
 
 }  // namespace repose

@@ -115,6 +115,31 @@ void emit(YAML::Emitter& out, const YamlNode& node, bool flow) {
   }
 }
 
+// Lengths in front of texts and lists: no two trees run together to the same key.
+void append_key(const YamlNode& node, std::string& key) {
+  const auto append = [&](char kind, std::size_t length, const std::string& text) {
+    key += kind;
+    key += std::to_string(length);
+    key += ':';
+    key += text;
+  };
+  switch (node.kind) {
+    case YamlNode::Kind::null: key += '~'; break;
+    case YamlNode::Kind::scalar: append('"', node.text.size(), node.text); break;
+    case YamlNode::Kind::sequence:
+      append('[', node.items.size(), "");
+      for (const YamlNode& item : node.items) append_key(item, key);
+      break;
+    case YamlNode::Kind::map:
+      append('{', node.entries.size(), "");
+      for (const YamlEntry& entry : node.entries) {
+        append('"', entry.key.size(), entry.key);
+        append_key(entry.value, key);
+      }
+      break;
+  }
+}
+
 }  // namespace
 
 const YamlNode* YamlNode::find(const std::string& key) const {
@@ -209,6 +234,12 @@ std::string emit_yaml(const YamlNode& root) {
   YAML::Emitter out;
   emit(out, root, false);
   return std::string(out.c_str()) + "\n";
+}
+
+std::string tree_key(const YamlNode& root) {
+  std::string key;
+  append_key(root, key);
+  return key;
 }
 
 std::string describe(const YamlNode& node) {

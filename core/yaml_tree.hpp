@@ -43,6 +43,9 @@ const YamlNode* node_at(const YamlNode& root, const std::string& path);
 /// Canonical YAML: block maps in the order of the tree, sequences in flow style. Parses back to an equal tree.
 std::string emit_yaml(const YamlNode& root);
 
+/// A text that two trees share exactly if they are equal, lines apart: a key for caches, quicker than emit_yaml.
+std::string tree_key(const YamlNode& root);
+
 /// "a map", "a list", "`58 um`", "nothing": for messages.
 std::string describe(const YamlNode& node);
 

@@ -266,7 +266,7 @@ Eigen::VectorXd Problem::plain_residual(const Layout& layout, std::size_t run, c
   take(layout.shared, shared, m);
   take(layout.per_run[run], own, m);
   YamlNode tree = scene(layout, run, shared, own);
-  std::string key = emit_yaml(tree) + fmt::format("|{}|{}|{}|{}|{}|{}", data.fingerprint, m.length, m.time, m.offset, m.tilt_x, m.tilt_y);
+  std::string key = tree_key(tree) + fmt::format("|{}|{}|{}|{}|{}|{}", data.fingerprint, m.length, m.time, m.offset, m.tilt_x, m.tilt_y);
   for (const auto& [n, bias] : m.bias) key += fmt::format("|{}:{}", n, bias);
   for (const WindowLoad& load : loads)
     key += fmt::format("|{} {} {} {} {} {} {} {} {}", load.body, load.from, load.to, load.force.x(), load.force.y(), load.force.z(),

@@ -112,38 +112,51 @@ void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
       high = high.cwiseMax(velocity);
     }
   };
-  std::unordered_map<std::uint64_t, std::size_t> index;
   std::vector<Cell> cells;
   std::vector<std::size_t> cell_of(dynamic_.size());
-  index.reserve(dynamic_.size() / 4 + 16);
+  // Of a few bodies the cells are looked through: 27 questions to a table cost more than all the rest of their step.
+  constexpr std::size_t few = 8, none = ~std::size_t{0};
+  const bool tabled = dynamic_.size() > few;
+  std::unordered_map<std::uint64_t, std::size_t> index;
+  if (tabled) index.reserve(dynamic_.size() / 4 + 16);
+  const auto find = [&](std::int64_t cx, std::int64_t cy, std::int64_t cz) {
+    if (tabled) {
+      const auto at = index.find(key(cx, cy, cz));
+      return at == index.end() ? none : at->second;
+    }
+    for (std::size_t k = 0; k < cells.size(); ++k)
+      if (cells[k].x == cx && cells[k].y == cy && cells[k].z == cz) return k;
+    return none;
+  };
   for (std::size_t at = 0; at < dynamic_.size(); ++at) {
     const auto body = static_cast<std::size_t>(dynamic_[at]);
     const Vec3& x = placement.position[body];
     const std::int64_t cx = cell(x, 0), cy = cell(x, 1), cz = cell(x, 2);
-    const auto [entry, is_new] = index.try_emplace(key(cx, cy, cz), cells.size());
-    if (is_new) {
+    cell_of[at] = find(cx, cy, cz);
+    if (cell_of[at] == none) {
+      cell_of[at] = cells.size();
       cells.emplace_back();
       cells.back().x = cx;
       cells.back().y = cy;
       cells.back().z = cz;
+      if (tabled) index.emplace(key(cx, cy, cz), cell_of[at]);
     }
-    cell_of[at] = entry->second;
-    cells[entry->second].meet(placement.velocity[body]);
+    cells[cell_of[at]].meet(placement.velocity[body]);
   }
   for (const FoundContact& contact : tool_contacts_) {
     const auto a = static_cast<std::size_t>(contact.id.a()), b = static_cast<std::size_t>(contact.id.b());
     const std::size_t free_body = model_.bodies[a].dynamic ? a : b, tool = model_.bodies[a].dynamic ? b : a;
     const Vec3& x = placement.position[free_body];
-    cells[index.find(key(cell(x, 0), cell(x, 1), cell(x, 2)))->second].meet(placement.velocity[tool]);
+    cells[find(cell(x, 0), cell(x, 1), cell(x, 2))].meet(placement.velocity[tool]);
   }
   for (Cell& c : cells) {
     Cell all;
     for (std::int64_t dz = -1; dz <= 1; ++dz)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
         for (std::int64_t dx = -1; dx <= 1; ++dx) {
-          const auto at = index.find(key(wrapped(c.x + dx, 0), wrapped(c.y + dy, 1), c.z + dz));
-          if (at == index.end()) continue;
-          const Cell& near = cells[at->second];
+          const std::size_t at = find(wrapped(c.x + dx, 0), wrapped(c.y + dy, 1), c.z + dz);
+          if (at == none) continue;
+          const Cell& near = cells[at];
           all.low = all.low.cwiseMin(near.low);
           all.high = all.high.cwiseMax(near.high);
         }
@@ -174,13 +187,19 @@ double ContactFinder::reach_of_pair(const BodyPlacement& placement, double step,
 template <class Search>
 void ContactFinder::each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search) {
   chunks.resize(count);
+  const auto look = [&](std::size_t i, std::vector<ContactPoint>& scratch) __attribute__((noinline)) {
+    chunks[i].found.clear();
+    search(i, scratch);
+  };
+  if (threads <= 1) {  // a shared loop allocates what its threads share, even for one
+    std::vector<ContactPoint> scratch;
+    for (std::size_t i = 0; i < count; ++i) look(i, scratch);
+    return;
+  }
   on_team(threads, [&] {
     std::vector<ContactPoint> scratch;
 #pragma omp for schedule(dynamic)
-    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(count); ++i) {
-      chunks[static_cast<std::size_t>(i)].found.clear();
-      search(static_cast<std::size_t>(i), scratch);
-    }
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(count); ++i) look(static_cast<std::size_t>(i), scratch);
   });
 }
 

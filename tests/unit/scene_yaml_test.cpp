@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <set>
 
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
@@ -94,6 +95,16 @@ TEST(SceneYaml, ResolvedTextReadsBackToItself) {
   const Scene again = parse(scene.text);
   EXPECT_EQ(again.duration, 3);
   EXPECT_EQ(again.text, scene.text);
+}
+
+TEST(YamlTree, KeysAreTheSameForEqualTreesAlone) {
+  const auto key = [](const std::string& text) { return tree_key(parse_yaml(text, "text")); };
+  EXPECT_EQ(key("a: [1, 2]\nb: 3\n"), key("# moved down\n\na: [1, 2]\nb: 3\n"));
+  std::set<std::string> keys;
+  const std::vector<std::string> texts{"a: [1, 2]\nb: 3", "a: [1]\nb: 3", "a: [[1, 2]]\nb: 3", "a: [12]\nb: 3", "a: {1: 2}\nb: 3",
+                                       "a: \nb: 3",        "a: ''\nb: 3",  "b: 3\na: [1, 2]",   "ab: 3",          "a: [1, 2, b, 3]"};
+  for (const std::string& text : texts) keys.insert(key(text));
+  EXPECT_EQ(keys.size(), texts.size());
 }
 
 TEST(SceneYaml, OverridesReplaceAndAdd) {
