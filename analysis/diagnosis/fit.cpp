@@ -9,6 +9,8 @@
 
 #include <Eigen/Dense>
 
+#include "analysis/diagnosis/side_by_side.hpp"
+
 namespace repose::diagnosis {
 namespace {
 
@@ -120,7 +122,26 @@ void evaluate(const Problem& problem, Fit& fit) {
   }
 }
 
+Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, bool frozen);
+
+/// Runs that share nothing are problems of their own: a step that fails in one takes back no other's.
+Fit solve_each(const Problem& problem, const Fit& start, const FitOptions& options, bool frozen) {
+  std::vector<Fit> each(start.runs.size());
+  FitOptions alone = options;
+  alone.threads = 1;
+  side_by_side(each.size(), options.threads, [&](std::size_t i) {
+    Fit one = start;
+    one.runs = {start.runs[i]};
+    each[i] = solve(problem, one, alone, frozen);
+  });
+  Fit all = start;
+  for (std::size_t i = 0; i < each.size(); ++i) all.own[start.runs[i]] = each[i].own[start.runs[i]];
+  evaluate(problem, all);
+  return all;
+}
+
 Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, bool frozen) {
+  if ((frozen || start.layout.shared.empty()) && start.runs.size() > 1) return solve_each(problem, start, options, frozen);
   Fit best = start;
   evaluate(problem, best);
   if (!std::isfinite(best.chi2)) return best;

@@ -66,14 +66,14 @@ void Search::tell(const std::string& stage, double done, double total) const {
 /// Step 2: from several starts of every constant that nobody measured.
 void Search::calibrate() {
   const Layout layout = problem_.layout({});
-  Fit best = minimise(problem_, start_of(problem_, layout, train_), fit_options_);
+  Fit best = improved(start_of(problem_, layout, train_));
   for (std::size_t i = 0; i < layout.shared.size() && !stopped(); ++i) {
     tell("calibrating the nominal scene", static_cast<double>(i), static_cast<double>(layout.shared.size()));
     for (const double share : {0.05, 0.2, 0.6}) {
       Fit start = best;
       const Parameter& p = layout.shared[i];
       start.shared[static_cast<Eigen::Index>(i)] = p.lower + share * (std::min(p.upper, p.lower + 10 * std::max(1.0, std::abs(p.start))) - p.lower);
-      Fit other = minimise(problem_, start, fit_options_);
+      Fit other = improved(start);
       if (other.chi2 < best.chi2 - gains_to_matter) best = std::move(other);  // a constant that does nothing stays where it was
     }
   }
@@ -142,7 +142,8 @@ Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms,
   return best;
 }
 
-Fit Search::improved(const Fit& fit) const { return minimise(problem_, fit, fit_options_); }
+/// To the end together, and then each run by itself: one that is stuck behind an impact holds the others back no longer.
+Fit Search::improved(const Fit& fit) const { return minimise_own(problem_, minimise(problem_, fit, fit_options_), train_, fit_options_); }
 
 bool Search::known(const Hypothesis& hypothesis) const {
   const auto same = [&](const Fit& fit) {

@@ -205,6 +205,25 @@ TEST(Diagnosis, ANominalSceneThatCannotRunIsTheUsersToMend) {
   }
 }
 
+TEST(Diagnosis, DoesNotChooseBetweenDragsThatTheRecordingsCannotPart) {
+  // All balls fly at about the same speed for a short time: the two laws differ by less than a tenth of the noise.
+  Flights f = six(10, "{quadratic_drag: {coefficient: 0.2, fluid_density: 1.2}}");
+  f.velocities = {{4, 0, 0}, {0, 4, 0}, {-4, 0, 0}, {0, -4, 0}, {2.8, 2.8, 0}, {-2.8, 2.8, 0}};
+  f.noise = 4e-3;
+  f.duration = 0.3;
+  const Diagnosis d = diagnose(flights(f), fly, quick());
+  EXPECT_LE(d.lack_of_fit_p, 0.01);
+  EXPECT_EQ(d.verdict.word, "ambiguous");
+  const auto of = [&](const std::string& name) {
+    for (const Ranked& r : d.verdict.ranked)
+      if (r.effects == std::vector<std::string>{name}) return r.probability;
+    return 0.0;
+  };
+  EXPECT_GT(of("quadratic_drag"), 0.05);
+  EXPECT_GT(of("linear_drag"), 0.05);
+  ASSERT_FALSE(d.suggested.empty());
+}
+
 TEST(Confounding, ARecordingThatPartsTwoDragsIsAFasterOne) {
   // Slow balls: linear and quadratic drag look alike; at four times the speed they do not.
   Flights f = six(9, drag);
