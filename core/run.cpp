@@ -184,7 +184,11 @@ class Runner {
     }
     ++step_;
     tally_.add(last_);
-    if (recorder_) recorder_->step(log_line());
+    if (recorder_ || hooks_.logged) {
+      const StepRecord line = log_line();
+      if (recorder_) recorder_->step(line);
+      if (hooks_.logged) hooks_.logged(line);
+    }
     if (hooks_.stepped) hooks_.stepped(state_, world_);
   }
 

@@ -50,6 +50,8 @@ struct RunHooks {
   /// Adds to the loads of each step, after the model's own effects (the unknown force of a diagnosis). Must depend on its
   /// arguments alone. May be empty.
   std::function<void(const Snapshot&, BodyLoads&)> loads;
+  /// Shown the log of every step, as a recorder would get it: with the load on Schedule::tracked. May be empty.
+  std::function<void(const StepRecord&)> logged;
   /// Shown the state at the start and after every step; World tells the contacts of that step. May be empty.
   std::function<void(const Snapshot&, const World&)> stepped;
 };

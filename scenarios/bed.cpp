@@ -45,6 +45,8 @@ Bed read_bed(const std::filesystem::path& file, const Model& model) {
 
 }  // namespace
 
+bool bed_rests(const Model& model, const Snapshot& state) { return speed_of_grains(model, state) < resting; }
+
 std::string bed_key(const Prepared& bed, const Options& options) {
   const SolverOptions& s = bed.scene.solver;
   const std::string text =
@@ -63,7 +65,7 @@ std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, co
   const bool there = std::filesystem::exists(file);
   if (!there) {
     own.resume = options.resume && std::filesystem::exists(own.out / "checkpoints");
-    const auto finished = [&](const Snapshot& state, const StepReport&) { return speed_of_grains(prepared.model, state) < resting; };
+    const auto finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
     const RunReport report = simulate(prepared, own, "bed.h5", finished);
     if (report.end == RunReport::End::interrupted) return std::nullopt;
     const double speed = speed_of_grains(prepared.model, report.final_state);

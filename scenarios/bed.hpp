@@ -18,12 +18,14 @@ struct Bed {
   std::filesystem::path folder;
 };
 
+/// At rest: the root mean square speed of the grains is below 0.01 sqrt(g d), d their mean diameter.
+bool bed_rests(const Model& model, const Snapshot& state);
+
 /// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times,
 /// backend and the build. Threads do not count.
 std::string bed_key(const Prepared& bed, const Options& options);
 
-/// Takes the bed from `folder`/KEY, or makes it there (frames, checkpoints and bed.h5, which is written last). It is at rest
-/// when the root mean square speed of the grains is below 0.01 sqrt(g d). nullopt if it was interrupted: a run with --resume goes on.
+/// Takes the bed from `folder`/KEY, or makes it there (frames, checkpoints and bed.h5, which is written last). nullopt if it was interrupted: a run with --resume goes on.
 std::optional<Bed> make_bed(const Prepared& bed, const Options& options, const std::filesystem::path& folder);
 
 }  // namespace repose

@@ -5,14 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/render/height_picture.hpp"
-#include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/bed.hpp"
 #include "scenarios/installation.hpp"
 #include "scenarios/layer_json.hpp"
 #include "scenarios/layer_measurement.hpp"
 #include "scenarios/layer_report.hpp"
-#include "scenarios/spreader.hpp"
+#include "scenarios/spreading.hpp"
 
 namespace {
 
@@ -20,20 +19,6 @@ using namespace repose;
 
 std::filesystem::path scene_file(const Options& options) {
   return options.file.empty() ? config_file("layer-" + options.preset + ".yaml") : options.file;
-}
-
-/// The free bodies of `to` stand as those of `from` do: the same ones in the same order, around other tools.
-void take_over(const Model& from, const Snapshot& state, Model& to) {
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < to.bodies.size(); ++i) {
-    if (!to.bodies[i].dynamic) continue;
-    while (!from.bodies[k].dynamic) ++k;
-    to.initial.position[i] = state.position[k];
-    to.initial.orientation[i] = state.orientation[k];
-    to.initial.velocity[i] = state.velocity[k];
-    to.initial.angular_velocity[i] = state.angular_velocity[k];
-    ++k;
-  }
 }
 
 /// How much higher the surface stands after than before; the Gaussian mean over a square's edge, because cell by cell a grain that
@@ -84,7 +69,7 @@ void tell(const LayerMeasurement& m, const LayerSetup& setup, const SpreaderPath
 
 int spread(const Options& options, const std::filesystem::path& beds) {
   const Scene scene = load_scene(scene_file(options), options.overrides);
-  if (!scene.layer) throw Error("layer", "the scene has no `layer` block", "say what spreads and where it is measured; see scenarios/configs/layer-quick.yaml");
+  demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
   const Prepared bed_prepared = prepare(bed_scene(scene), options);
   const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
@@ -92,13 +77,9 @@ int spread(const Options& options, const std::filesystem::path& beds) {
     fmt::print(stderr, "interrupted while the bed settled; the same command with --resume goes on from here\n");
     return exit_status::interrupted;
   }
-  const SurfaceRegion region{setup.lower, setup.upper, setup.plate};
-  const HeightFigures settled = height_figures(height_grid(bed_prepared.model, bed->state, region, setup.cell));
-  if (settled.n == 0) throw Error("layer.region", "no grain lies over the region", "move the region to where the bed is");
-  const SpreaderPath path = spreader_path(scene, bed_prepared.model, bed->state, settled.mean);
-
-  const Prepared prepared = prepare(spreading_scene(scene, path), options,
-                                    [&](Model& model) { take_over(bed_prepared.model, bed->state, model); });
+  const Spreading spreading = over_the_bed(scene, bed_prepared.model, bed->state, options);
+  const Prepared& prepared = spreading.prepared;
+  const SpreaderPath& path = spreading.path;
   const RunReport report = simulate(prepared, options, "result.json", {}, setup.spreader);
   const int status = report_status(report, options);
   if (report.end == RunReport::End::interrupted) return status;

@@ -1,6 +1,7 @@
 #include "scenarios/study_plan.hpp"
 
 #include <charconv>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -38,11 +39,21 @@ int seeds_of(const YamlReader& block, int otherwise) {
   return static_cast<int>(n);
 }
 
-std::optional<double> number_in(const std::string& text) {
+// "60 um" as it was written: 60, "um".
+struct Written {
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  std::string unit;
+};
+
+std::optional<Written> number_in(const std::string& text) {
+  Written w;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), w.value);
+  if (error != std::errc()) return std::nullopt;
+  const std::string rest(end, text.data() + text.size());
+  if (rest.empty()) return w;
+  if (rest.front() != ' ') return std::nullopt;
+  w.unit = rest.substr(1);
+  return w;
 }
 
 std::string last_name(const std::string& key) {
@@ -101,7 +112,7 @@ struct Defaults {
 void read_series(const std::string& name, const YamlReader& block, const Defaults& defaults, StudyPlan& plan) {
   block.only({"label", "reference", "scene", "set", "vary", "points", "seeds"});
   StudySeries series{name, block.has("label") ? block.at("label").text() : name,
-                     block.has("reference") ? block.at("reference").text() : "", ""};
+                     block.has("reference") ? block.at("reference").text() : "", "", ""};
   const std::filesystem::path scene = block.has("scene") ? defaults.folder / block.at("scene").text() : defaults.scene;
   std::vector<Override> base = defaults.set;
   for (Override& o : overrides_of(block)) base.push_back(std::move(o));
@@ -113,10 +124,15 @@ void read_series(const std::string& name, const YamlReader& block, const Default
     plan.points.push_back(std::move(point));
   };
   if (block.has("vary")) {
+    std::set<std::string> units;
     for (const auto& set : crossed(block.at("vary"))) {
       series.x_key = set.front().path;
-      add(set, label_of(set), number_in(set.front().value), own_seeds);
+      const std::optional<Written> x = number_in(set.front().value);
+      if (x) units.insert(x->unit);
+      add(set, label_of(set), x ? std::optional<double>(x->value) : std::nullopt, own_seeds);
     }
+    if (units.size() > 1) block.at("vary").fail("gives the first key in several units", "write all its values in one unit");
+    if (!units.empty()) series.x_unit = *units.begin();
   }
   if (block.has("points"))
     for (const YamlReader& point : block.at("points").items()) {

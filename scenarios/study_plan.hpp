@@ -28,7 +28,7 @@ namespace repose {
 struct StudyPoint {
   std::size_t series = 0;      ///< index into StudyPlan::series
   std::string label;
-  std::optional<double> x;     ///< value of the first varied key, if it is a number
+  std::optional<double> x;     ///< value of the first varied key, if it is a number, in StudySeries::x_unit
   std::vector<Override> set;   ///< of the study, of the series, of the point, in this order
   int seeds = 0;
   std::filesystem::path scene;  ///< resolved against the folder of the study
@@ -37,6 +37,7 @@ struct StudyPoint {
 struct StudySeries {
   std::string name, label, reference;  ///< reference: may be empty
   std::string x_key;                   ///< the first varied key; empty if none
+  std::string x_unit;                  ///< as its values were written ("um"); empty if without, or not the same for all
 };
 
 struct StudyPlan {

@@ -12,7 +12,9 @@ namespace {
 using namespace report;
 using nlohmann::json;
 
-const json* observable(const json& point, const char* name) {
+constexpr std::size_t charted = 2;  // of the told observables, against each varied key
+
+const json* observable(const json& point, const std::string& name) {
   const json& all = point["observables"];
   return all.contains(name) ? &all[name] : nullptr;
 }
@@ -26,84 +28,104 @@ std::string last_name(const std::string& key) {
 }
 
 // "31.20 +- 0.15" for an observable of a point, "" if it has none.
-std::string told(const json& point, const char* name) {
+std::string told(const json& point, const std::string& name, double factor = 1) {
   const json* o = observable(point, name);
   if (o == nullptr) return "";
-  const double se = number_in((*o)["se"]);
-  return se > 0 ? rounded((*o)["mean"].get<double>(), se) : rounded((*o)["mean"].get<double>());
+  const double mean = factor * (*o)["mean"].get<double>(), se = factor * number_in((*o)["se"]);
+  return se > 0 ? rounded(mean, se) : rounded(mean);
 }
 
-// Angle against x for all series whose first varied key is `key`.
-Chart angle_chart(const StudyPlan& plan, const json& study, const std::string& key, const std::map<std::string, ReferenceSet>& references,
-                  const std::optional<ReferenceValue>& measured) {
+std::string with_unit(const ToldObservable& o) { return o.unit.empty() ? o.label : fmt::format("{} [{}]", o.label, o.unit); }
+
+// One observable against x for all series whose first varied key is `key`.
+Chart chart_of(const StudyPlan& plan, const json& study, const std::string& key, const std::map<std::string, ReferenceSet>& references,
+               const ToldObservable& shown, const std::map<std::string, ReferenceValue>& measured) {
   Chart chart;
-  chart.title = "Angle of repose against " + last_name(key);
-  chart.caption = "Mean over seeds; bars: standard error of the mean. Published values: bars as stated in the reference file.";
+  std::string title = shown.label + " against " + last_name(key);
+  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
+  chart.title = std::move(title);
+  chart.caption = "Mean over seeds; bars: standard error of the mean.";
   chart.x = {last_name(key), ""};
-  chart.y = {"angle of repose", "°"};
+  chart.y = {shown.label, shown.unit};
   std::set<std::string> drawn;
   for (std::size_t s = 0; s < plan.series.size(); ++s) {
     if (plan.series[s].x_key != key) continue;
+    chart.x.unit = plan.series[s].x_unit;
     Series series{plan.series[s].label, {}, {}, {}, Series::Style::line_and_points, false};
     for (std::size_t p = 0; p < plan.points.size(); ++p) {
-      const json* angle = observable(study["points"][p], "angle_of_repose");
-      if (plan.points[p].series != s || !plan.points[p].x || angle == nullptr) continue;
+      const json* value = observable(study["points"][p], shown.name);
+      if (plan.points[p].series != s || !plan.points[p].x || value == nullptr) continue;
       series.x.push_back(*plan.points[p].x);
-      series.y.push_back((*angle)["mean"].get<double>());
-      series.error.push_back(number_in((*angle)["se"]));
+      series.y.push_back(shown.factor * (*value)["mean"].get<double>());
+      series.error.push_back(shown.factor * number_in((*value)["se"]));
     }
     if (!series.x.empty()) chart.series.push_back(std::move(series));
     const auto reference = references.find(plan.series[s].reference);
     if (reference == references.end() || !drawn.insert(reference->first).second) continue;
     Series published{"published (" + reference->first + ")", {}, {}, {}, Series::Style::line_and_points, true};
-    for (const ReferenceValue& v : reference->second.curve("angle_of_repose")) {
+    for (const ReferenceValue& v : reference->second.curve(shown.name)) {
       published.x.push_back(*v.x);
       published.y.push_back(v.value);
       published.error.push_back(v.uncertainty.value_or(std::nan("")));
     }
+    if (published.x.empty()) continue;
     chart.series.push_back(std::move(published));
+    chart.caption = "Mean over seeds; bars: standard error of the mean. Published values: bars as stated in the reference file.";
   }
-  if (measured) chart.bands.push_back({"measured", measured->value, measured->uncertainty.value_or(0)});
+  if (const auto value = measured.find(shown.name); value != measured.end())
+    chart.bands.push_back({"measured", value->second.value, value->second.uncertainty.value_or(0)});
   return chart;
 }
 
-Table point_table(const json& study) {
+Table point_table(const json& study, const Experiment& experiment) {
+  const std::vector<ToldObservable>& shown = experiment.told();
+  const ToldObservable& principal = shown.front();
   Table table;
-  table.header = {"series", "point", "angle [°]", "sd azimuth [°]", "sd seed [°]", "n", "solid fraction", "grains on base", "at rest"};
+  table.header = {"series", "point"};
+  for (const ToldObservable& o : shown) table.header.push_back(with_unit(o));
+  const std::string unit = principal.unit.empty() ? "" : " [" + principal.unit + "]";
+  for (const std::string& name : {"sd within" + unit, "sd seed" + unit, std::string("n"), std::string("at rest")}) table.header.push_back(name);
   for (const json& point : study["points"]) {
-    const json* angle = observable(point, "angle_of_repose");
-    const auto number = [&](const char* key) {
-      return angle && (*angle)[key].is_number() ? fmt::format("{:.2f}", (*angle)[key].get<double>()) : std::string();
+    const json* first = observable(point, principal.name);
+    const auto number = [&](const std::string& key) {
+      return first && first->contains(key) && (*first)[key].is_number() ? rounded(principal.factor * (*first)[key].get<double>()) : std::string();
     };
+    std::vector<std::string> row{point["series"].get<std::string>(), point["label"].get<std::string>()};
+    for (const ToldObservable& o : shown) row.push_back(told(point, o.name, o.factor));
     const std::size_t runs = point["runs"].get<std::size_t>(), moving = point["not_at_rest"].get<std::size_t>();
-    table.rows.push_back({point["series"].get<std::string>(), point["label"].get<std::string>(), told(point, "angle_of_repose"),
-                          number("sd_azimuth"), number("sd_seed"), angle ? std::to_string((*angle)["n"].get<int>()) : "0",
-                          told(point, "solid_fraction"), told(point, "grains_on_base"), fmt::format("{} of {}", runs - moving, runs)});
+    row.push_back(number(experiment.scatter_within()));
+    row.push_back(number("sd_seed"));
+    row.push_back(first ? std::to_string((*first)["n"].get<int>()) : "0");
+    row.push_back(fmt::format("{} of {}", runs - moving, runs));
+    table.rows.push_back(std::move(row));
   }
-  table.notes = {"sd azimuth: scatter over azimuths and flanks within one heap; sd seed: scatter of the heaps' mean angles; the error of "
-                 "the angle is sd seed / sqrt(n)."};
+  table.notes = {fmt::format("sd within: scatter of the {} within one run ({}); sd seed: scatter of the runs' values; the error of a mean is sd seed / "
+                             "sqrt(n), n runs.", principal.label, experiment.scatter_within())};
   return table;
 }
 
-Table slope_table(const json& study) {
+Table slope_table(const json& study, const ToldObservable& principal) {
   Table table;
-  table.header = {"series", "against", "slope [°]", "95 % interval", "published slope", "difference [standard errors]", "largest difference of values [°]"};
+  const std::string unit = principal.unit.empty() ? "" : " [" + principal.unit + "]";
+  table.header = {"series", "against", "slope" + unit, "95 % interval", "published slope", "difference [standard errors]", "largest difference of values" + unit};
+  const double f = principal.factor;
   for (const json& series : study["series"]) {
     if (!series.contains("slope")) continue;
     const json& slope = series["slope"];
     std::string interval, published, difference, largest;
     if (slope.contains("interval95"))
-      interval = fmt::format("{:.1f} to {:.1f}", slope["interval95"][0].get<double>(), slope["interval95"][1].get<double>());
+      interval = fmt::format("{:.3g} to {:.3g}", f * slope["interval95"][0].get<double>(), f * slope["interval95"][1].get<double>());
     if (series.contains("reference")) {
       const json& reference = series["reference"];
       if (reference.contains("slope"))
-        published = rounded(reference["slope"]["value"].get<double>(), reference["slope"]["se"].get<double>());
+        published = rounded(f * reference["slope"]["value"].get<double>(), f * reference["slope"]["se"].get<double>());
       if (reference.contains("slope_difference"))
         difference = fmt::format("{:.1f}", reference["slope_difference"]["standard_errors"].get<double>());
-      if (!reference["differences"].empty()) largest = fmt::format("{:.2f}", reference["largest_difference"].get<double>());
+      if (!reference["differences"].empty()) largest = rounded(f * reference["largest_difference"].get<double>());
     }
-    table.rows.push_back({series["label"].get<std::string>(), last_name(series["x"].get<std::string>()),
-                          rounded(slope["value"].get<double>(), slope["se"].get<double>()), interval, published, difference, largest});
+    const auto per = series["x_unit"].get<std::string>();
+    table.rows.push_back({series["label"].get<std::string>(), last_name(series["x"].get<std::string>()) + (per.empty() ? "" : " [" + per + "]"),
+                          rounded(f * slope["value"].get<double>(), f * slope["se"].get<double>()), interval, published, difference, largest});
   }
   table.notes = {"Slope: least squares over all single runs, per unit of the varied key; its error from their scatter. Published slope: of the "
                  "published values, its error from their scatter about the line."};
@@ -123,7 +145,8 @@ Table solver_table(const json& study) {
 }  // namespace
 
 report::Report study_report(const StudyPlan& plan, const json& study, const std::map<std::string, ReferenceSet>& references,
-                            const std::optional<ReferenceValue>& measured, const std::optional<ReferenceValue>& solid_fraction) {
+                            const Experiment& experiment) {
+  const std::map<std::string, ReferenceValue> measured = experiment.measured();
   Report page;
   page.title = plan.title;
   std::size_t runs = 0, failed = 0, moving = 0;
@@ -135,21 +158,27 @@ report::Report study_report(const StudyPlan& plan, const json& study, const std:
   page.subtitle = fmt::format("{} runs at {} points", runs, plan.points.size());
   Warnings warnings;
   if (failed > 0) warnings.items.push_back(fmt::format("{} runs failed", failed));
-  if (moving > 0) warnings.items.push_back(fmt::format("{} heaps were not at rest at the end", moving));
+  if (moving > 0) warnings.items.push_back(fmt::format("{} {} were not at rest at the end", moving, experiment.called()));
   Section results{"", {warnings}};
   std::set<std::string> keys;
-  for (const StudySeries& s : plan.series)
-    if (!s.x_key.empty() && keys.insert(s.x_key).second) {
-      Chart chart = angle_chart(plan, study, s.x_key, references, measured);
-      if (!chart.series.empty()) results.blocks.push_back(std::move(chart));
+  for (const StudySeries& s : plan.series) {
+    if (s.x_key.empty() || !keys.insert(s.x_key).second) continue;
+    for (std::size_t k = 0; k < std::min<std::size_t>(charted, experiment.told().size()); ++k) {
+      Chart chart = chart_of(plan, study, s.x_key, references, experiment.told()[k], measured);
+      if (chart.series.empty()) continue;
+      chart.low = k > 0;
+      results.blocks.push_back(std::move(chart));
     }
+  }
   page.sections.push_back(std::move(results));
-  page.sections.push_back({"Slopes", {slope_table(study)}});
-  Section points{"Points", {point_table(study)}};
-  std::string beside = "Measured beside it: ";
-  if (measured) beside += fmt::format("angle {}°", rounded(measured->value, measured->uncertainty));
-  if (solid_fraction) beside += fmt::format(", solid fraction of the poured powder {:.3f}", solid_fraction->value);
-  if (measured || solid_fraction) points.blocks.push_back(Text{beside + "."});
+  page.sections.push_back({"Slopes", {slope_table(study, experiment.told().front())}});
+  Section points{"Points", {point_table(study, experiment)}};
+  std::string beside;
+  for (const ToldObservable& o : experiment.told())
+    if (const auto value = measured.find(o.name); value != measured.end())
+      beside += fmt::format("{}{} {} {}", beside.empty() ? "Measured beside it: " : ", ", o.label,
+                            value->second.uncertainty ? rounded(value->second.value, *value->second.uncertainty) : rounded(value->second.value), o.unit);
+  if (!beside.empty()) points.blocks.push_back(Text{beside + "."});
   page.sections.push_back(std::move(points));
   page.sections.push_back({"Solver", {solver_table(study)}});
   Section sources{"Sources", {}};

@@ -9,9 +9,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* angle_name = "angle_of_repose";
-constexpr const char* azimuth_name = "sd_azimuth";
-
 // One run has no scatter: null, not 0.
 json summary_json(const Summary& s) {
   return {{"mean", s.mean}, {"sd_seed", s.n > 1 ? json(s.sd) : json(nullptr)}, {"se", s.n > 1 ? json(s.se) : json(nullptr)}, {"n", s.n}};
@@ -49,14 +46,15 @@ std::vector<PointRuns> runs_by_point(const StudyPlan& plan, const std::vector<Jo
   return runs;
 }
 
-json point_json(const StudyPlan& plan, const StudyPoint& point, const PointRuns& runs) {
+json point_json(const StudyPlan& plan, const StudyPoint& point, const PointRuns& runs, const PrincipalObservable& principal) {
   json set = json::object();
   for (const Override& o : point.set) set[o.path] = override_json(o.value);
   json observables = json::object();
   auto values = gather(runs.good);
   for (const auto& [name, list] : values)
-    if (name != azimuth_name) observables[name] = summary_json(summarise(list));
-  if (observables.contains(angle_name)) observables[angle_name]["sd_azimuth"] = summarise(values[azimuth_name]).mean;
+    if (name != principal.scatter_within) observables[name] = summary_json(summarise(list));
+  if (observables.contains(principal.name) && values.contains(principal.scatter_within))
+    observables[principal.name][principal.scatter_within] = summarise(values[principal.scatter_within]).mean;
   std::size_t moving = 0;
   for (double at_rest : values["at_rest"]) moving += at_rest == 0;
   json result = {{"set", set},          {"series", plan.series[point.series].name},
@@ -77,15 +75,15 @@ json line_json(const Line& line) {
 }
 
 // One line through all single runs of a series; nullopt if x does not vary.
-std::optional<Line> series_line(const StudyPlan& plan, std::size_t series, const std::vector<PointRuns>& runs) {
+std::optional<Line> series_line(const StudyPlan& plan, std::size_t series, const std::vector<PointRuns>& runs, const std::string& principal) {
   std::vector<double> x, y;
   double low = 1e300, high = -1e300;
   for (std::size_t p = 0; p < plan.points.size(); ++p) {
     if (plan.points[p].series != series || !plan.points[p].x) continue;
-    const std::vector<double> angles = gather(runs[p].good)[angle_name];
-    for (double angle : angles) {
+    const std::vector<double> values = gather(runs[p].good)[principal];
+    for (const double value : values) {
       x.push_back(*plan.points[p].x);
-      y.push_back(angle);
+      y.push_back(value);
       low = std::min(low, x.back());
       high = std::max(high, x.back());
     }
@@ -95,8 +93,8 @@ std::optional<Line> series_line(const StudyPlan& plan, std::size_t series, const
 }
 
 json reference_json(const ReferenceSet& reference, const StudyPlan& plan, std::size_t series, const std::optional<Line>& line,
-                    const std::vector<PointRuns>& runs) {
-  const std::vector<ReferenceValue> curve = reference.curve(angle_name);
+                    const std::vector<PointRuns>& runs, const std::string& principal) {
+  const std::vector<ReferenceValue> curve = reference.curve(principal);
   json result = {{"title", reference.title}, {"source", reference.source}, {"values", json::array()}};
   for (const ReferenceValue& v : curve)
     result["values"].push_back({{"x", *v.x}, {"value", v.value}, {"uncertainty", v.uncertainty ? json(*v.uncertainty) : json(nullptr)}});
@@ -111,13 +109,13 @@ json reference_json(const ReferenceSet& reference, const StudyPlan& plan, std::s
   double worst = 0;
   for (std::size_t p = 0; p < plan.points.size(); ++p) {
     if (plan.points[p].series != series || !plan.points[p].x) continue;
-    const Summary angle = summarise(gather(runs[p].good)[angle_name]);
+    const Summary simulated = summarise(gather(runs[p].good)[principal]);
     for (const ReferenceValue& v : curve) {
-      if (angle.n == 0 || std::abs(*v.x - *plan.points[p].x) > 1e-9 * std::abs(*v.x)) continue;
-      const double difference = angle.mean - v.value;
+      if (simulated.n == 0 || std::abs(*v.x - *plan.points[p].x) > 1e-9 * std::abs(*v.x)) continue;
+      const double difference = simulated.mean - v.value;
       worst = std::max(worst, std::abs(difference));
-      differences.push_back({{"x", *v.x}, {"simulated", angle.mean}, {"published", v.value}, {"difference", difference},
-                             {"se", angle.se}, {"within_uncertainty", v.uncertainty && std::abs(difference) <= *v.uncertainty}});
+      differences.push_back({{"x", *v.x}, {"simulated", simulated.mean}, {"published", v.value}, {"difference", difference},
+                             {"se", simulated.se}, {"within_uncertainty", v.uncertainty && std::abs(difference) <= *v.uncertainty}});
     }
   }
   result["differences"] = differences;
@@ -133,17 +131,17 @@ json override_json(const std::string& value) {
 }
 
 json summarise_study(const StudyPlan& plan, const std::vector<Job>& jobs, const JobsReport& report,
-                     const std::map<std::string, ReferenceSet>& references) {
+                     const std::map<std::string, ReferenceSet>& references, const PrincipalObservable& principal) {
   const std::vector<PointRuns> runs = runs_by_point(plan, jobs, report);
   json result = {{"title", plan.title}, {"points", json::array()}, {"series", json::array()}};
-  for (std::size_t p = 0; p < plan.points.size(); ++p) result["points"].push_back(point_json(plan, plan.points[p], runs[p]));
+  for (std::size_t p = 0; p < plan.points.size(); ++p) result["points"].push_back(point_json(plan, plan.points[p], runs[p], principal));
   for (std::size_t s = 0; s < plan.series.size(); ++s) {
     const StudySeries& series = plan.series[s];
-    const std::optional<Line> line = series_line(plan, s, runs);
-    json entry = {{"name", series.name}, {"label", series.label}, {"x", series.x_key}};
+    const std::optional<Line> line = series_line(plan, s, runs, principal.name);
+    json entry = {{"name", series.name}, {"label", series.label}, {"x", series.x_key}, {"x_unit", series.x_unit}};
     if (line) entry["slope"] = line_json(*line);
     const auto reference = references.find(series.reference);
-    if (reference != references.end()) entry["reference"] = reference_json(reference->second, plan, s, line, runs);
+    if (reference != references.end()) entry["reference"] = reference_json(reference->second, plan, s, line, runs, principal.name);
     result["series"].push_back(entry);
   }
   return result;

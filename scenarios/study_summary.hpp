@@ -12,15 +12,22 @@
 
 namespace repose {
 
-/// `points` [{set, series, label, scene, x, runs, failed, not_at_rest, observables {name: {mean, sd_seed, se, n}}}]: the angle also has
-/// `sd_azimuth`, the mean over seeds of the scatter over azimuths and flanks within a heap; `se` = sd_seed / sqrt(n), both null if n = 1.
-/// `series` [{name, label, slope {value, se, interval95, n}, reference {...}}]: the slope is that of the angle against the
-/// first varied key, least squares over all single runs; its error comes from their scatter.
+/// The observable of a study that matters most.
+struct PrincipalObservable {
+  std::string name;            ///< "angle_of_repose"
+  std::string scatter_within;  ///< the observable that is its scatter within a run; may be empty
+};
+
+/// `points` [{set, series, label, scene, x, runs, failed, not_at_rest, observables {name: {mean, sd_seed, se, n}}}]: the principal one
+/// also has the mean over seeds of its scatter within a run (of a heap's angle `sd_azimuth`, over azimuths and flanks);
+/// `se` = sd_seed / sqrt(n), both null if n = 1.
+/// `series` [{name, label, x, x_unit, slope {value, se, interval95, n}, reference {...}}]: the slope is that of the principal
+/// observable against the first varied key, least squares over all single runs; its error comes from their scatter.
 ///   reference: the published curve, its slope and error (from the scatter of its values), `slope_difference` in standard
 ///   errors of both together, and per common x the `difference` (simulated - published) with its error.
 /// `jobs` are the plan's in order: all seeds of the first point, then those of the second...
 nlohmann::json summarise_study(const StudyPlan& plan, const std::vector<Job>& jobs, const JobsReport& report,
-                               const std::map<std::string, ReferenceSet>& references);
+                               const std::map<std::string, ReferenceSet>& references, const PrincipalObservable& principal);
 
 /// A value of an override as JSON: a number where it is one.
 nlohmann::json override_json(const std::string& value);

@@ -75,6 +75,18 @@ TEST(StudyPlan, ListsGoTogetherAndMapsAreCrossed) {
   EXPECT_EQ(plan.points[9].label, "kind fast");
 }
 
+TEST(StudyPlan, ValuesMayHaveUnits) {
+  const StudyPlan plan = parse_study("scene: a\nseries: {gaps: {vary: [{layer.gap: [60 um, 1.2e2 um]}]}, kinds: {vary: [{layer.rotation: [none, rolling]}]}}\n",
+                                     "study.yaml", ".");
+  EXPECT_EQ(plan.series[0].x_unit, "um");
+  EXPECT_EQ(plan.points[0].x, 60);
+  EXPECT_EQ(plan.points[1].x, 120);
+  EXPECT_EQ(plan.points[1].set.back().value, "1.2e2 um");
+  EXPECT_EQ(plan.series[1].x_unit, "");
+  EXPECT_FALSE(plan.points[2].x);
+  EXPECT_THROW(parse_study("scene: a\nseries: {gaps: {vary: [{layer.gap: [60 um, 0.1 mm]}]}}\n", "study.yaml", "."), Error);
+}
+
 TEST(StudyPlan, ErrorsNameThePlace) {
   const auto message = [](const std::string& text) -> std::string {
     try {
@@ -224,7 +236,7 @@ TEST(StudySummary, HandAnswer) {
   ReferenceSet reference;
   reference.title = "table";
   for (double x : {0.05, 0.075, 0.1}) reference.values.push_back({"angle_of_repose", x, 30 + 70 * x, 1.0, "deg"});
-  const json out = summarise_study(plan, jobs, report, {{"set/table.yaml", reference}});
+  const json out = summarise_study(plan, jobs, report, {{"set/table.yaml", reference}}, {"angle_of_repose", "sd_azimuth"});
   const json& first = out["points"][0];
   EXPECT_EQ(first["runs"], 2);
   EXPECT_EQ(first["failed"], 1);

@@ -1,0 +1,43 @@
+#include "scenarios/spreading.hpp"
+
+#include "analysis/height_grid.hpp"
+#include "analysis/roughness.hpp"
+#include "core/error.hpp"
+
+namespace repose {
+namespace {
+
+/// The free bodies of `to` stand as those of `from` do: the same ones in the same order, around other tools.
+void take_over(const Model& from, const Snapshot& state, Model& to) {
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < to.bodies.size(); ++i) {
+    if (!to.bodies[i].dynamic) continue;
+    while (!from.bodies[k].dynamic) ++k;
+    to.initial.position[i] = state.position[k];
+    to.initial.orientation[i] = state.orientation[k];
+    to.initial.velocity[i] = state.velocity[k];
+    to.initial.angular_velocity[i] = state.angular_velocity[k];
+    ++k;
+  }
+}
+
+}  // namespace
+
+void demand_layer(const Scene& scene, const std::string& place) {
+  if (scene.layer) return;
+  throw Error(place.empty() ? "layer" : place + ": layer", "the scene has no `layer` block",
+              "say what spreads and where it is measured; see scenarios/configs/layer-quick.yaml");
+}
+
+Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options) {
+  const LayerSetup& setup = *scene.layer;
+  const SurfaceRegion region{setup.lower, setup.upper, setup.plate};
+  const HeightFigures heights = height_figures(height_grid(bed, settled, region, setup.cell));
+  if (heights.n == 0) throw Error("layer.region", "no grain lies over the region", "move the region to where the bed is");
+  Spreading ready;
+  ready.path = spreader_path(scene, bed, settled, heights.mean);
+  ready.prepared = prepare(spreading_scene(scene, ready.path), options, [&](Model& model) { take_over(bed, settled, model); });
+  return ready;
+}
+
+}  // namespace repose
