@@ -83,9 +83,10 @@ TEST(Cone, LanesAgreeWithScalars) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> u(-1, 1);
   Lanes<double> x[6], mu{}, rho{}, sigma{};
-  Point points[8];
-  Cone cones[8];
-  for (int l = 0; l < 8; ++l) {
+  constexpr int lanes = lane_count<double>;
+  Point points[lanes];
+  Cone cones[lanes];
+  for (int l = 0; l < lanes; ++l) {
     cones[l] = {std::abs(u(random)), std::abs(u(random)), std::abs(u(random))};
     mu[l] = cones[l].mu;
     rho[l] = cones[l].rho;
@@ -93,7 +94,7 @@ TEST(Cone, LanesAgreeWithScalars) {
     for (std::size_t k = 0; k < 6; ++k) x[k][l] = points[l][k] = u(random);
   }
   project_on_cone(x[0], x[1], x[2], x[3], x[4], x[5], mu, rho, sigma);
-  for (int l = 0; l < 8; ++l) {
+  for (int l = 0; l < lanes; ++l) {
     const Point expected = projected(points[l], cones[l]);
     for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(x[k][l], expected[k], 1e-14);
   }
