@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "analysis/diagnosis/measurement.hpp"
+#include "analysis/diagnosis/turning.hpp"
 
 namespace repose::diagnosis {
 namespace {
@@ -14,11 +15,11 @@ constexpr double resolution = 1e-4;
 /// median of few medians.
 class Collection {
  public:
-  void add(const std::string& observable, const std::vector<double>& samples) {
+  void add(const std::string& observable, const std::vector<double>& samples, double largest_range = INFINITY) {
     double low = INFINITY, high = -INFINITY;
     for (const double x : samples)
       if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
-    if (high > low) ranges_[observable] = std::max(ranges_[observable], high - low);
+    if (high > low) ranges_[observable] = std::max(ranges_[observable], std::min(high - low, largest_range));
     if (noise_from_differences(samples) == 0) return;  // a constant, or too short to say
     std::vector<double>& row = rows_[observable];
     row.insert(row.end(), samples.begin(), samples.end());
@@ -52,14 +53,12 @@ std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std
     for (const Observation& o : bundle.runs[index].observations) {
       if (o.kind == ObservableKind::series) collection.add(o.name, o.value);
       if (o.kind != ObservableKind::trajectory) continue;
-      const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
+      const auto turns = turns_of(o.orientation);
       for (int k = 0; k < 3; ++k) {
-        std::vector<double> x, turn;
+        std::vector<double> x;
         for (const Vec3& p : o.position) x.push_back(p[k]);
         collection.add("position", x);
-        if (first == o.orientation.end()) continue;
-        for (const Quat& q : o.orientation) turn.push_back(std::isfinite(q.w()) ? rotation_vector(q * first->conjugate())[k] : NAN);
-        collection.add("orientation", turn);
+        if (!o.orientation.empty()) collection.add("orientation", turns[static_cast<std::size_t>(k)], 2 * std::numbers::pi);
       }
     }
   return collection.noise(bundle.noise);

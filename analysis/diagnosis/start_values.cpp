@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "analysis/diagnosis/problem.hpp"
+#include "analysis/diagnosis/turning.hpp"
 #include "core/scene_yaml.hpp"
 #include "core/yaml_tree.hpp"
 
@@ -52,14 +53,10 @@ Seen look_at(const Observation& o) {
   }
   const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
   if (first == o.orientation.end()) return seen;
-  std::vector<double> turns[3];
-  for (const Quat& q : o.orientation) {
-    const Vec3 turn = std::isfinite(q.w()) ? rotation_vector(q * first->conjugate()) : Vec3::Constant(NAN);
-    for (int k = 0; k < 3; ++k) turns[k].push_back(turn[k]);
-  }
+  const auto turns = turns_of(o.orientation);
   Vec3 at_zero = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    seen.turn[k] = early(o.time, turns[k]);
+    seen.turn[k] = early(o.time, turns[static_cast<std::size_t>(k)]);
     at_zero[k] = seen.turn[k].value;
   }
   seen.orientation = rotation_of(at_zero) * *first;

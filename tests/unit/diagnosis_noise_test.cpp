@@ -67,6 +67,26 @@ TEST(Noise, OfABundleIsNeverBelowTheResolution) {
   EXPECT_NEAR(recorded_noise(exact, {0, 1, 2, 3}).at("position").sd, 1e-4 * 2.4, 1e-6);
 }
 
+TEST(Noise, OfABallThatSpinsFastIsNotTakenForCorrelated) {
+  Bundle bundle = flights({});
+  Random random(7, 1);
+  for (BundleRun& run : bundle.runs) {
+    Observation& o = run.observations.front();
+    o.time.clear();
+    o.position.clear();
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.01 * i;
+      const Vec3 noise(normal(random), normal(random), normal(random));
+      o.time.push_back(t);
+      o.position.push_back(Vec3::Constant(NAN));
+      o.orientation.push_back(rotation_of(3e-3 * noise) * Quat(Eigen::AngleAxisd(50 * t, Vec3(1, 0.2, 0).normalized())));
+    }
+  }
+  const NoiseModel noise = recorded_noise(bundle, {0, 1, 2, 3}).at("orientation");
+  EXPECT_NEAR(noise.sd, 3e-3, 5e-4);
+  EXPECT_LT(noise.phi, 0.1);
+}
+
 TEST(Whitening, MakesCorrelatedNoiseIndependentOfUnitVariance) {
   const double phi = 0.7;
   std::vector<double> x = with_noise(20000, 1, phi, 5);
