@@ -7,7 +7,9 @@
 namespace repose::diagnosis {
 namespace {
 
-constexpr double negligible = 1e-6;  // share of a direction that must be left, else it is imitated wholly
+// Share of a direction that must be left. Below it what is left is the error of derivatives by differences, and a fit that has
+// not quite arrived would look like a force that nobody can tell from its start.
+constexpr double negligible = 1e-2;
 
 /// Orthonormal basis of the columns; those that are linear combinations of others are dropped.
 Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
