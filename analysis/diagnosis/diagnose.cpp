@@ -93,7 +93,7 @@ class Diagnosing {
     return all;
   }
 
-  void take(const Search& search) {
+  void take(Search& search) {
     result_.interrupted = search.interrupted();
     for (const Fit& fit : search.fits()) {
       FittedHypothesis model;
@@ -103,10 +103,16 @@ class Diagnosing {
     }
     const LackOfFit& lack = search.lack_of_fit();
     result_.screened = lack.screened;
-    result_.where = join_neighbours(lack.where);
-    result_.depends_on = dependence_of(lack.where);
+    // Where numerics were a part of the mismatch and something is left, that is where the physics is.
+    const LackOfFit& located = search.base() != 0 && !result_.interrupted && search.left_by(search.base()).p <= level
+                                   ? search.left_by(search.base()) : lack;
+    result_.where = join_neighbours(located.where);
+    result_.depends_on = dependence_of(located.where);
     result_.lack_of_fit_p = lack.p;
     result_.replicas = options_.replicas;
+    if (search.base() != 0)
+      result_.notes.push_back(fmt::format("The scene's own numerics are a part of the mismatch ({}); all candidates were simulated without that error.",
+                                          result_.models[search.base()].hypothesis.label()));
     if (search.nominal_improved() > 0)
       result_.notes.push_back("The nominal scene fitted better from where a candidate had ended; everything was judged anew from there.");
   }
@@ -173,12 +179,14 @@ class Diagnosing {
       evidence.push_back(e);
     }
     const std::size_t leading = search.best();
-    result_.explained = share_explained(result_.models.front().fit, result_.models[leading].fit);
+    // Physics is measured against the scene as finely as it was solved with it.
+    const std::size_t base = leading == search.base() ? 0 : search.base();
+    result_.explained = share_explained(result_.models[base].fit, result_.models[leading].fit);
     result_.remaining_p = result_.lack_of_fit_p;
     if (leading != 0 && result_.lack_of_fit_p <= level && !result_.interrupted) result_.remaining_p = search.left_by(leading).p;
     // What fits the training runs and leaves the held-out ones as they were has explained nothing.
     if (const Fit& held = result_.models[leading].held_fit; !held_.empty() && held.per_dof() > plainly_more_than_noise) {
-      result_.explained = std::min(result_.explained, share_explained(result_.models.front().held_fit, held));
+      result_.explained = std::min(result_.explained, share_explained(result_.models[base].held_fit, held));
       result_.remaining_p = std::min(result_.remaining_p, 1 / (1 + static_cast<double>(options_.replicas)));
     }
     result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, result_.explained);

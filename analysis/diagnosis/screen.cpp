@@ -73,6 +73,7 @@ class Screening {
     Values values(static_cast<Eigen::Index>(layout_.shared.size()));
     values.head(before) = nominal_.shared;
     const bool poor = nominal_.per_dof() > poor_fit;
+    std::vector<Eigen::VectorXd> directions;
     for (const Values& point : tried_points(parameters, points)) {
       values.tail(point.size()) = point;
       const Eigen::VectorXd near = stacked(values, false);
@@ -81,12 +82,14 @@ class Screening {
         if (probe.basis.cols() > 0) {
           // The basis is a direction up to its sign.
           if (probe.basis.col(0).dot(near - nuisance_.residual()) < 0) probe.basis = -probe.basis;
+          directions.push_back(probe.basis.col(0));
           keep(std::move(probe));
         }
         consider(near, point, false);
       }
       if (poor) consider(stacked(values, true), point, true);
     }
+    best_.reached = std::min(best_.reached, reached_together(directions));
     return std::move(best_);
   }
 
@@ -122,6 +125,31 @@ class Screening {
     for (Eigen::Index i = 0; i < own.size(); ++i)
       own[i] = !from_data && i < nominal_.own[run].size() ? nominal_.own[run][i] : layout_.per_run[run][static_cast<std::size_t>(i)].start;
     return own;
+  }
+
+  /// Of a weak effect the points that are tried are all too far, and of a vector they are tried along its axes alone: what the
+  /// strongest few directions promise together where the residual is linear. At most as many as a vector has components.
+  double reached_together(const std::vector<Eigen::VectorXd>& directions) const {
+    const Eigen::VectorXd left = nuisance_.left_of_vector(nuisance_.residual());
+    double reached = left.squaredNorm();
+    std::vector<Eigen::VectorXd> taken;
+    Eigen::VectorXd rest = left;
+    for (int k = 0; k < 3 && !nominal_.residual.empty(); ++k) {
+      double most = 0;
+      Eigen::VectorXd best;
+      for (Eigen::VectorXd d : directions) {
+        for (const Eigen::VectorXd& t : taken) d -= t.dot(d) * t;
+        if (d.norm() < 0.1) continue;
+        d.normalize();
+        const double along = d.dot(rest);
+        if (along < 0 && along * along > most) most = along * along, best = d;  // against the residual, as in a one-sided probe
+      }
+      if (best.size() == 0) break;
+      reached -= most;
+      rest -= best.dot(rest) * best;
+      taken.push_back(best);
+    }
+    return reached;
   }
 
   /// Empty if any run fails.

@@ -16,11 +16,18 @@ constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fi
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3;
 constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
+constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
 double worth(const Fit& fit) { return fit.chi2 + 2 * fit.parameters; }
 
 bool holds(const Hypothesis& hypothesis, const Term& term) {
   return std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return t.row == term.row && t.place == term.place; });
+}
+
+/// What is solved more finely is no effect of the world: hypotheses that extend it name only their own.
+Hypothesis without_numerics(Hypothesis hypothesis) {
+  std::erase_if(hypothesis.terms, [](const Term& term) { return term.row->site == EffectSite::numerics; });
+  return hypothesis;
 }
 
 }  // namespace
@@ -45,9 +52,11 @@ void Search::run() {
   run_nominal();
   constexpr int rounds = 3;
   for (int round = 0; round < rounds && !stopped(); ++round) {
-    fit_singles();
-    if (!stopped() && lack_.p <= level) fit_pairs();
     if (!stopped() && lack_.p <= level) fit_numerics();
+    choose_base();
+    const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
+    if (!stopped() && !numerics_suffice) fit_singles();
+    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
     if (stopped() || !guard()) return;
     left_.clear();
     lack_ = judge(fits_.front());
@@ -118,9 +127,10 @@ std::vector<Screened> Search::screen_about(const Fit& fit, const Nuisance& nuisa
 /// The fit of `base` with more terms, begun where the screening reached most; where the base is poor also from the start values as
 /// read off the data; and from nothing, so that it is never worse than `base` (step 3).
 Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const {
-  Hypothesis hypothesis = base.layout.hypothesis;
+  Hypothesis hypothesis = without_numerics(base.layout.hypothesis);
   for (const Screened* s : terms) hypothesis.terms.push_back(s->term);
   Layout layout = problem_.layout(hypothesis);
+  layout.numerics = base.layout.numerics;
   FitOptions options = fit_options_;
   options.iterations = iterations;
   const auto begin = [&](bool at_screened, bool from_data) {
@@ -159,9 +169,9 @@ void Search::keep(Fit fit) {
 
 /// Step 7: a short fit of twice as many as are wanted, then the best of these to the end.
 void Search::fit_singles() {
-  const Fit nominal = fits_.front();
+  const Fit nominal = fits_[base_];
   std::vector<const Screened*> chosen;
-  for (const Screened& s : lack_.screened)
+  for (const Screened& s : left_by(base_).screened)
     if (!s.probes.empty() && !known({{s.term}}) && chosen.size() < 2 * static_cast<std::size_t>(options_.joint_fits)) chosen.push_back(&s);
   std::vector<Fit> begun;
   for (std::size_t i = 0; i < chosen.size() && !stopped(); ++i) {
@@ -187,12 +197,12 @@ const LackOfFit& Search::left_by(std::size_t fit) {
 void Search::fit_pairs() {
   std::vector<std::size_t> order;
   for (std::size_t i = 1; i < fits_.size(); ++i)
-    if (fits_[i].layout.hypothesis.terms.size() == 1) order.push_back(i);
+    if (without_numerics(fits_[i].layout.hypothesis).terms.size() == 1) order.push_back(i);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth(fits_[a]) < worth(fits_[b]); });
   if (!order.empty() && left_by(order.front()).p > level) return;
   std::vector<Fit> begun;
   const auto try_pair = [&](const Fit& base, const std::vector<const Screened*>& terms) {
-    Hypothesis pair = base.layout.hypothesis;
+    Hypothesis pair = without_numerics(base.layout.hypothesis);
     for (const Screened* s : terms) pair.terms.push_back(s->term);
     if (known(pair) || stopped()) return;
     tell("trying " + pair.label(), static_cast<double>(begun.size()), static_cast<double>((bases_of_pairs + 1) * pairs_each));
@@ -209,10 +219,11 @@ void Search::fit_pairs() {
       ++tried;
     }
   }
-  const Nuisance nuisance(problem_, fits_.front());
-  const std::vector<ScreenedPair> together = screen_pairs(lack_.screened, nuisance.residual(), pair_gain);
+  const Nuisance nuisance(problem_, fits_[base_]);
+  const std::vector<Screened>& screened = left_by(base_).screened;
+  const std::vector<ScreenedPair> together = screen_pairs(screened, nuisance.residual(), pair_gain);
   for (std::size_t i = 0; i < std::min(pairs_each, together.size()); ++i)
-    try_pair(fits_.front(), {&lack_.screened[together[i].first], &lack_.screened[together[i].second]});
+    try_pair(fits_[base_], {&screened[together[i].first], &screened[together[i].second]});
   std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
   for (std::size_t i = 0; i < std::min<std::size_t>(4, begun.size()) && !stopped(); ++i)
     if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
@@ -234,23 +245,47 @@ void Search::fit_numerics() {
   }
 }
 
+/// The finer solution becomes the base where it removes more than a little of what the nominal leaves.
+void Search::choose_base() {
+  base_ = 0;
+  const Fit& nominal = fits_.front();
+  const double excess = nominal.chi2 - static_cast<double>(nominal.samples - nominal.parameters);
+  double least = std::max(gain_of_numerics, share_of_numerics * excess);
+  for (std::size_t m = 1; m < fits_.size(); ++m) {
+    const Hypothesis& h = fits_[m].layout.hypothesis;
+    if (h.terms.size() != 1 || !without_numerics(h).terms.empty()) continue;
+    if (nominal.chi2 - fits_[m].chi2 < least) continue;
+    least = nominal.chi2 - fits_[m].chi2;
+    base_ = m;
+  }
+}
+
 /// Step 3, the other way: the nominal begun where each candidate ended. If that gains, all fits are begun again from there.
 bool Search::guard() {
-  const Fit before = fits_.front();
-  for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
-    tell("the nominal scene from where candidates ended", static_cast<double>(m), static_cast<double>(fits_.size()));
-    Fit start = before;
-    start.shared = fits_[m].shared.head(before.shared.size());
-    for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] = fits_[m].own[run].head(before.own[run].size());
-    if (Fit again = improved(start); again.chi2 < fits_.front().chi2) fits_.front() = std::move(again);
+  bool gained = false;
+  std::vector<std::size_t> plain{0};
+  if (base_ != 0) plain.push_back(base_);
+  for (const std::size_t n : plain) {
+    const Fit before = fits_[n];
+    for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
+      if (m == n) continue;
+      tell("the nominal scene from where candidates ended", static_cast<double>(m), static_cast<double>(fits_.size()));
+      Fit start = before;
+      start.shared = fits_[m].shared.head(before.shared.size());
+      for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] = fits_[m].own[run].head(before.own[run].size());
+      if (Fit again = improved(start); again.chi2 < fits_[n].chi2) fits_[n] = std::move(again);
+    }
+    // Less than this changes no verdict.
+    gained = gained || fits_[n].chi2 < before.chi2 - std::max(gains_to_matter, 1e-3 * before.chi2);
   }
-  // Less than this changes no verdict.
-  if (!(fits_.front().chi2 < before.chi2 - std::max(gains_to_matter, 1e-3 * before.chi2))) return false;
+  if (!gained) return false;
   ++improved_;
+  const Fit& nominal = fits_[base_];
   for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
+    if (m == base_) continue;
     Fit start = fits_[m];
-    start.shared.head(before.shared.size()) = fits_.front().shared;
-    for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run].head(before.own[run].size()) = fits_.front().own[run];
+    start.shared.head(nominal.shared.size()) = nominal.shared;
+    for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run].head(nominal.own[run].size()) = nominal.own[run];
     if (Fit again = improved(start); again.chi2 < fits_[m].chi2) fits_[m] = std::move(again);
   }
   return true;

@@ -44,6 +44,9 @@ class Search {
 
   const std::vector<Fit>& fits() const { return fits_; }  ///< [0]: nominal; others in the order in which they were tried
   const LackOfFit& lack_of_fit() const { return lack_; }  ///< of the nominal
+  /// The fit that hypotheses extend: the nominal, or the nominal solved more finely, if that removes a good part of the mismatch
+  /// (numerics must not hide physics, nor pass for it).
+  std::size_t base() const { return base_; }
   /// What the fit leaves; computed when it is first asked for.
   const LackOfFit& left_by(std::size_t fit);
   /// The fit of smallest chi^2 + 2 parameters.
@@ -61,6 +64,7 @@ class Search {
   Fit improved(const Fit& fit) const;
   void keep(Fit fit);
   bool known(const Hypothesis& hypothesis) const;
+  void choose_base();
   void fit_singles();
   void fit_pairs();
   void fit_numerics();
@@ -72,6 +76,7 @@ class Search {
   FitOptions fit_options_;
   std::vector<Fit> fits_;
   LackOfFit lack_;
+  std::size_t base_ = 0;
   std::map<std::string, LackOfFit> left_;  ///< by the hypothesis' label
   bool interrupted_ = false;
   int improved_ = 0;

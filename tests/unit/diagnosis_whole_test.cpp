@@ -140,6 +140,38 @@ TEST(Diagnosis, BlamesTheContactLawWhereTheOtherOneExplains) {
   EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
 }
 
+TEST(Diagnosis, NamesPhysicsAloneWhereTheStepIsTooCoarseAsWell) {
+  // An engine whose error is a kick in proportion to its step; the recorded world has a quarter of the step, and drag.
+  const auto engine = [](const SimulationRequest& request) {
+    SimulationRequest kicked = request;
+    const Vec3 v = request.scene->bodies[0].velocity;
+    const double from = 0.1 + 0.05 * std::round(v.z());
+    kicked.loads.push_back({"ball", from, from + 0.08, 3 * request.scene->solver.time_step * Vec3(std::cos(9 * from), std::sin(9 * from), 0), Vec3::Zero()});
+    return fly(kicked);
+  };
+  Flights f = six(12, drag);
+  Bundle bundle = flights(f);
+  Random random(12, 4);
+  for (BundleRun& run : bundle.runs) {
+    Scene truth = parse_scene(ball_scene(drag), "truth", run.set);
+    truth.solver.time_step /= 4;
+    SimulationRequest request;
+    request.scene = &truth;
+    request.until = f.duration;
+    Observation& o = run.observations[0];
+    o.position.clear();
+    observe(engine(request), o.time, o);
+    o.orientation.clear();
+    for (Vec3& x : o.position)
+      for (double& c : x) c += f.noise * normal(random);
+  }
+  const Diagnosis d = diagnose(bundle, engine, quick());
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"quadratic_drag"});
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
+  EXPECT_NE(d.extended_scene.find("time_step: 0.0025"), std::string::npos) << d.extended_scene;
+}
+
 TEST(Diagnosis, RaisesFalseAlarmsAsRarelyAsItsDesign) {
   constexpr int cases = 120;
   int alarms = 0, low = 0;
