@@ -107,7 +107,11 @@ Table point_table(const json& study, const Experiment& experiment) {
 Table slope_table(const json& study, const ToldObservable& principal) {
   Table table;
   const std::string unit = principal.unit.empty() ? "" : " [" + principal.unit + "]";
-  table.header = {"series", "against", "slope" + unit, "95 % interval", "published slope", "difference [standard errors]", "largest difference of values" + unit};
+  const bool compared = std::any_of(study["series"].begin(), study["series"].end(), [](const json& series) { return series.contains("reference"); });
+  table.header = {"series", "against", "slope" + unit, "95 % interval"};
+  if (compared)
+    for (const std::string& name : {std::string("published slope"), std::string("difference [standard errors]"), "largest difference of values" + unit})
+      table.header.push_back(name);
   const double f = principal.factor;
   for (const json& series : study["series"]) {
     if (!series.contains("slope")) continue;
@@ -125,10 +129,12 @@ Table slope_table(const json& study, const ToldObservable& principal) {
     }
     const auto per = series["x_unit"].get<std::string>();
     table.rows.push_back({series["label"].get<std::string>(), last_name(series["x"].get<std::string>()) + (per.empty() ? "" : " [" + per + "]"),
-                          rounded(f * slope["value"].get<double>(), f * slope["se"].get<double>()), interval, published, difference, largest});
+                          rounded(f * slope["value"].get<double>(), f * slope["se"].get<double>()), interval});
+    if (compared)
+      for (const std::string& cell : {published, difference, largest}) table.rows.back().push_back(cell);
   }
-  table.notes = {"Slope: least squares over all single runs, per unit of the varied key; its error from their scatter. Published slope: of the "
-                 "published values, its error from their scatter about the line."};
+  table.notes = {"Slope: least squares over all single runs, per unit of the varied key; its error from their scatter."};
+  if (compared) table.notes.push_back("Published slope: of the published values, its error from their scatter about the line.");
   return table;
 }
 
@@ -158,7 +164,7 @@ report::Report study_report(const StudyPlan& plan, const json& study, const std:
   page.subtitle = fmt::format("{} runs at {} points", runs, plan.points.size());
   Warnings warnings;
   if (failed > 0) warnings.items.push_back(fmt::format("{} runs failed", failed));
-  if (moving > 0) warnings.items.push_back(fmt::format("{} {} were not at rest at the end", moving, experiment.called()));
+  if (moving > 0) warnings.items.push_back(fmt::format("{} of {} {} were not at rest at the end", moving, runs, experiment.called()));
   Section results{"", {warnings}};
   std::set<std::string> keys;
   for (const StudySeries& s : plan.series) {
