@@ -245,7 +245,8 @@ void Search::fit_numerics() {
   }
 }
 
-/// The finer solution becomes the base where it removes more than a little of what the nominal leaves.
+/// The finer solution becomes the base where it removes more than a little of what the nominal leaves. Another contact law is no
+/// finer solution: it stays a rival of the candidates.
 void Search::choose_base() {
   base_ = 0;
   const Fit& nominal = fits_.front();
@@ -253,7 +254,7 @@ void Search::choose_base() {
   double least = std::max(gain_of_numerics, share_of_numerics * excess);
   for (std::size_t m = 1; m < fits_.size(); ++m) {
     const Hypothesis& h = fits_[m].layout.hypothesis;
-    if (h.terms.size() != 1 || !without_numerics(h).terms.empty()) continue;
+    if (h.terms.size() != 1 || !without_numerics(h).terms.empty() || fits_[m].layout.numerics.other_law) continue;
     if (nominal.chi2 - fits_[m].chi2 < least) continue;
     least = nominal.chi2 - fits_[m].chi2;
     base_ = m;
