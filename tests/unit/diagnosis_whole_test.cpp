@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "analysis/diagnosis/diagnose.hpp"
 #include "core/error.hpp"
@@ -31,6 +32,26 @@ Flights six(std::uint64_t seed, const std::string& truth) {
   f.seed = seed;
   f.truth = truth;
   return f;
+}
+
+/// The flights as another engine, or the same one solved in another way, would have flown them.
+Bundle recorded_by(const Simulate& engine, const Flights& f, const std::function<void(SolverOptions&)>& solved) {
+  Bundle bundle = flights(f);
+  Random random(f.seed, 4);
+  for (BundleRun& run : bundle.runs) {
+    Scene truth = parse_scene(ball_scene(f.truth), "truth", run.set);
+    solved(truth.solver);
+    SimulationRequest request;
+    request.scene = &truth;
+    request.until = f.duration;
+    Observation& o = run.observations[0];
+    o.position.clear();
+    observe(engine(request), o.time, o);
+    o.orientation.clear();
+    for (Vec3& x : o.position)
+      for (double& c : x) c += f.noise * normal(random);
+  }
+  return bundle;
 }
 
 TEST(Diagnosis, FindsDragNamesItAndProvesItOnRunsThatWereNotUsed) {
@@ -118,22 +139,7 @@ TEST(Diagnosis, BlamesTheContactLawWhereTheOtherOneExplains) {
     if (request.scene->solver.law == ContactLaw::relaxed) kicked.loads.push_back({"ball", from, from + 0.08, 0.003 * Vec3(std::cos(9 * from), std::sin(9 * from), 0), Vec3::Zero()});
     return fly(kicked);
   };
-  Flights f = six(8, "{}");
-  Bundle bundle = flights(f);
-  Random random(8, 4);
-  for (BundleRun& run : bundle.runs) {
-    Scene truth = parse_scene(ball_scene(), "truth", run.set);
-    truth.solver.law = ContactLaw::relaxed;
-    SimulationRequest request;
-    request.scene = &truth;
-    request.until = f.duration;
-    Observation& o = run.observations[0];
-    o.position.clear();
-    observe(engine(request), o.time, o);
-    o.orientation.clear();
-    for (Vec3& x : o.position)
-      for (double& c : x) c += f.noise * normal(random);
-  }
+  const Bundle bundle = recorded_by(engine, six(8, "{}"), [](SolverOptions& solver) { solver.law = ContactLaw::relaxed; });
   const Diagnosis d = diagnose(bundle, engine, quick());
   EXPECT_EQ(d.verdict.word, "numerics");
   EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"engine_law"});
@@ -149,22 +155,7 @@ TEST(Diagnosis, NamesPhysicsAloneWhereTheStepIsTooCoarseAsWell) {
     kicked.loads.push_back({"ball", from, from + 0.08, 3 * request.scene->solver.time_step * Vec3(std::cos(9 * from), std::sin(9 * from), 0), Vec3::Zero()});
     return fly(kicked);
   };
-  Flights f = six(12, drag);
-  Bundle bundle = flights(f);
-  Random random(12, 4);
-  for (BundleRun& run : bundle.runs) {
-    Scene truth = parse_scene(ball_scene(drag), "truth", run.set);
-    truth.solver.time_step /= 4;
-    SimulationRequest request;
-    request.scene = &truth;
-    request.until = f.duration;
-    Observation& o = run.observations[0];
-    o.position.clear();
-    observe(engine(request), o.time, o);
-    o.orientation.clear();
-    for (Vec3& x : o.position)
-      for (double& c : x) c += f.noise * normal(random);
-  }
+  const Bundle bundle = recorded_by(engine, six(12, drag), [](SolverOptions& solver) { solver.time_step /= 4; });
   const Diagnosis d = diagnose(bundle, engine, quick());
   EXPECT_EQ(d.verdict.word, "missing");
   EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"quadratic_drag"});
