@@ -8,21 +8,13 @@
 
 #include "analysis/bundle/read_bundle.hpp"
 #include "core/error.hpp"
+#include "tests/unit/dropped_ball.hpp"
 
 namespace repose {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string scene = R"(materials: {steel: {density: 7800}}
-pairs: {steel-steel: {friction: 0.3}}
-shapes: {ball: {type: sphere, radius: 0.02}, floor: {type: half_space}}
-bodies:
-  ball: {shape: ball, material: steel, position: [0, 0, 1], velocity: [0.3, 0, 0]}
-  floor: {shape: floor, material: steel, fixed: true}
-solver: {time_step: 1 ms, tolerance: 1.0e-6}
-duration: 0.3
-)";
 const std::string recording = R"(scene: nominal.yaml
 calibrate: [pairs.steel-steel.friction]
 noise: {position: 1.0e-3}
@@ -134,7 +126,7 @@ class BadBundle : public ::testing::TestWithParam<Case> {
   void TearDown() override { fs::remove_all(folder); }
   /// Writes the bundle with `text` in the place of the case.
   void write(const std::string& text) const {
-    std::map<std::string, std::string> files{{"nominal.yaml", scene}, {"recording.yaml", recording}, {"a.csv", path_a}, {"b.csv", path_b}, {"s.csv", force}};
+    std::map<std::string, std::string> files{{"nominal.yaml", dropped_ball_scene}, {"recording.yaml", recording}, {"a.csv", path_a}, {"b.csv", path_b}, {"s.csv", force}};
     std::string& file = files.at(GetParam().file);
     const std::size_t at = file.find(GetParam().from);
     ASSERT_NE(at, std::string::npos);

@@ -10,6 +10,7 @@
 
 #include "analysis/bundle/read_bundle.hpp"
 #include "core/error.hpp"
+#include "tests/unit/dropped_ball.hpp"
 
 namespace repose {
 namespace {
@@ -17,16 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-const std::string scene_text = R"(materials: {steel: {density: 7800}}
-pairs: {steel-steel: {friction: 0.3}}
-shapes: {ball: {type: sphere, radius: 0.02}, floor: {type: half_space}}
-bodies:
-  ball: {shape: ball, material: steel, position: [0, 0, 1], velocity: [0.3, 0, 0]}
-  floor: {shape: floor, material: steel, fixed: true}
-solver: {time_step: 1 ms, tolerance: 1.0e-6}
-duration: 0.3
-)";
 
 const std::string recording_text =
     "title: Test\nscene: nominal.yaml\nruns:\n  - {id: a, observables: [{kind: trajectory, body: ball, file: runs/a.csv}]}\n";
@@ -51,7 +42,7 @@ class BundleHdf5 : public ::testing::Test {
     fs::create_directories(folder);
     file = H5Fcreate((folder / "bundle.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
     H5Gclose(H5Gcreate2(file, "/runs", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-    text("/nominal.yaml", scene_text);
+    text("/nominal.yaml", dropped_ball_scene);
     text("/recording.yaml", recording_text);
   }
   void TearDown() override { fs::remove_all(folder); }
@@ -146,7 +137,7 @@ TEST_F(BundleHdf5, IsTheSameAsTheFolder) {
   group("/runs/a");
   const Bundle one = read();
   fs::create_directories(folder / "runs");
-  std::ofstream(folder / "nominal.yaml") << scene_text;
+  std::ofstream(folder / "nominal.yaml") << dropped_ball_scene;
   std::ofstream(folder / "recording.yaml") << recording_text;
   std::ofstream(folder / "runs" / "a.csv") << csv_text;
   const Bundle other = read_bundle(folder);

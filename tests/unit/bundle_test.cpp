@@ -10,21 +10,12 @@
 #include "analysis/bundle/sensor.hpp"
 #include "analysis/bundle/write_bundle.hpp"
 #include "core/error.hpp"
+#include "tests/unit/dropped_ball.hpp"
 
 namespace repose {
 namespace {
 
 namespace fs = std::filesystem;
-
-const std::string scene_text = R"(materials: {steel: {density: 7800}}
-pairs: {steel-steel: {friction: 0.3}}
-shapes: {ball: {type: sphere, radius: 0.02}, floor: {type: half_space}}
-bodies:
-  ball: {shape: ball, material: steel, position: [0, 0, 1], velocity: [0.3, 0, 0]}
-  floor: {shape: floor, material: steel, fixed: true}
-solver: {time_step: 1 ms, tolerance: 1.0e-6}
-duration: 0.3
-)";
 
 /// A folder of its own for each test.
 class BundleFolder : public ::testing::Test {
@@ -34,7 +25,7 @@ class BundleFolder : public ::testing::Test {
              ("repose-bundle-" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder);
     fs::create_directories(folder);
-    write("nominal.yaml", scene_text);
+    write("nominal.yaml", dropped_ball_scene);
     write("a.csv", "time,body,x,y,z\n0,ball,0,,1\n0.1,ball,0.03,,0.95\n0.2,ball,,,\n");
     write("recording.yaml", yaml());
   }
