@@ -28,8 +28,9 @@ StepReport MeteredWorld::step(double dt, const BodyLoads& loads) {
   const StepReport report = inner_->step(dt, loads);
   inner_->read(after_);
   inner_->read(contacts_);
-  book_loads(dt, loads);
-  book_contacts(dt);
+  const double stepped = dt - report.left;
+  book_loads(stepped, loads);
+  book_contacts(stepped);
   ledger_.kinetic = kinetic_energy(after_);
   ledger_.dissipated = sums_.work - (ledger_.kinetic - sums_.start_kinetic);
   sums_.most_dissipated = std::max(sums_.most_dissipated, ledger_.dissipated);
@@ -38,7 +39,7 @@ StepReport MeteredWorld::step(double dt, const BodyLoads& loads) {
   sums_.largest_imbalance = std::max(sums_.largest_imbalance, sums_.imbalance.norm());
   const double scale = std::max(sums_.load_impulse, sums_.start_momentum);
   ledger_.momentum_error = scale > 0 ? sums_.largest_imbalance / scale : 0;
-  tools_.time += dt;
+  tools_.time += stepped;
   return report;
 }
 

@@ -15,7 +15,7 @@ std::span<const Backend> backends() {
   static const std::array table{
       Backend{"dvi",
               "non-smooth dynamics: cone complementarity with rolling and spinning friction and cohesion, large steps",
-              dvi::unsupported, dvi::make_world},
+              dvi::unsupported, dvi::make_world, true, true},
       Backend{"bullet", "Bullet 3.24, in double precision: rigid contacts by sequential impulses, a reference engine",
               bullet::unsupported, bullet::make_world},
 #ifdef REPOSE_HAS_DART

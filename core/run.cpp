@@ -169,14 +169,9 @@ class Runner {
   void advance() {
     const double from = state_.time;
     try {
-      evaluate_loads(model_, state_, loads_);
-      if (hooks_.loads) hooks_.loads(state_, loads_);
-      last_ = world_.step(schedule_.time_step, loads_);
-      world_.read(state_);
-      demand_finite(model_, state_);
-      if (!std::isfinite(last_.residual) || !std::isfinite(last_.penetration))
-        throw Error("", "the residual of the solver is no longer finite", "make the time step smaller",
-                    Error::Kind::simulation);
+      last_ = {};
+      last_.left = schedule_.time_step;
+      while (last_.left > 0) advance_by(last_.left);
     } catch (const Error& problem) {
       if (!problem.place().empty()) throw;
       throw Error(fmt::format("step {} from t = {:.6g} s", step_ + 1, from), problem.problem(), problem.remedy(),
@@ -189,6 +184,26 @@ class Runner {
       if (recorder_) recorder_->step(line);
       if (hooks_.logged) hooks_.logged(line);
     }
+  }
+
+  /// One step of the world, and what it adds to the report of the whole step.
+  void advance_by(double time) {
+    evaluate_loads(model_, state_, loads_);
+    if (hooks_.loads) hooks_.loads(state_, loads_);
+    const StepReport part = world_.step(time, loads_);
+    if (!(part.left < time)) throw Error("", "the backend did not advance", "this is a defect of the backend", Error::Kind::simulation);
+    world_.read(state_);
+    demand_finite(model_, state_);
+    if (!std::isfinite(part.residual) || !std::isfinite(part.penetration))
+      throw Error("", "the residual of the solver is no longer finite", "make the time step smaller", Error::Kind::simulation);
+    last_.contacts = std::max(last_.contacts, part.contacts);
+    last_.iterations += part.iterations;
+    last_.residual = std::max(last_.residual, part.residual);
+    last_.converged = last_.converged && part.converged;
+    last_.cycling = last_.cycling || part.cycling;
+    last_.penetration = std::max(last_.penetration, part.penetration);
+    last_.contact_work += part.contact_work;
+    last_.left = part.left;
     if (hooks_.stepped) hooks_.stepped(state_, world_);
   }
 

@@ -52,7 +52,7 @@ struct RunHooks {
   std::function<void(const Snapshot&, BodyLoads&)> loads;
   /// Shown the log of every step, as a recorder would get it: with the load on Schedule::tracked. May be empty.
   std::function<void(const StepRecord&)> logged;
-  /// Shown the state at the start and after every step; World tells the contacts of that step. May be empty.
+  /// Shown the state at the start and after every step, or part of one (StepReport::left); World tells the contacts of that step. May be empty.
   std::function<void(const Snapshot&, const World&)> stepped;
 };
 

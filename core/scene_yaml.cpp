@@ -88,7 +88,7 @@ Scene scene_of(const YamlNode& tree, const std::string& name, const std::filesys
 }  // namespace
 
 void read_solver(const YamlReader& block, Scene& scene) {
-  block.only({"time_step", "tolerance", "max_iterations", "method", "law", "warm_start", "search_margin"});
+  block.only({"time_step", "tolerance", "max_iterations", "method", "law", "integration", "warm_start", "search_margin"});
   SolverOptions& options = scene.solver;
   block.read("time_step", options.time_step, positive(dimension::time));
   block.read("tolerance", options.tolerance,
@@ -104,6 +104,9 @@ void read_solver(const YamlReader& block, Scene& scene) {
   }
   if (block.has("law"))
     options.law = block.at("law").choice({"exact", "relaxed"}) == 0 ? ContactLaw::exact : ContactLaw::relaxed;
+  if (block.has("integration"))
+    options.integration = block.at("integration").choice({"symplectic_euler", "second_order"}) == 0 ? Integration::symplectic_euler
+                                                                                                    : Integration::second_order;
   block.read("warm_start", options.warm_start);
   block.read("search_margin", options.search_margin, between(1, 100));
 }

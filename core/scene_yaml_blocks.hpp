@@ -49,7 +49,7 @@ std::vector<std::string> setup_effect_names();
 /// periodic: {y: [lower, upper]}, x, y or both.
 void read_periodic(const YamlReader& block, Scene& scene);
 
-/// solver: {time_step, tolerance, max_iterations, method, law, warm_start, search_margin}
+/// solver: {time_step, tolerance, max_iterations, method, law, integration, warm_start, search_margin}
 void read_solver(const YamlReader& block, Scene& scene);
 
 /// record: {rate, noise, dropouts, observables, runs, free, calibrate}: checked for unknown keys, otherwise kept as text only.

@@ -19,6 +19,7 @@ struct StepReport {
   bool cycling = false;      ///< the solver's fixed point was seen to cycle and its fallback rule was used
   double penetration = 0;    ///< deepest overlap at the start of the step, which the one before left, by geometry [m], >= 0
   double contact_work = 0;   ///< work of all contact impulses of this step [J]; <= 0 up to rounding when no tool moves
+  double left = 0;           ///< [s] of the time asked for that is still to be stepped: the step ended at a touch
 };
 
 /// One contact point with the force that acted during the last step.
@@ -43,7 +44,7 @@ struct Frame {
 class World {
  public:
   virtual ~World() = default;
-  /// Advances by dt [s] under the loads. Throws Error (Kind::simulation) if the state stops being finite.
+  /// Advances by dt [s] under the loads, or by less: StepReport::left. Throws Error (Kind::simulation) if the state stops being finite.
   virtual StepReport step(double dt, const BodyLoads& loads) = 0;
   virtual void read(Snapshot& state) const = 0;
   /// Contact points of the last step, in a fixed order; those without force included.
@@ -56,12 +57,17 @@ class World {
 enum class SolverKind : std::uint8_t { gauss_seidel, apgd, barzilai_borwein };
 enum class ContactLaw : std::uint8_t { exact, relaxed };
 
+/// Symplectic Euler is for powder: its error is of the order of the step, in v_0 + a h / 2 instead of v_0 and in the time of every
+/// blow. Second order is for few bodies: flight and sliding by mean velocities, and steps that end where bodies touch.
+enum class Integration : std::uint8_t { symplectic_euler, second_order };
+
 struct SolverOptions {
   double time_step = 1e-4;     ///< h [s], > 0
   double tolerance = 1e-3;     ///< on the relative residual, > 0
   int max_iterations = 1000;   ///< > 0, per step
   SolverKind kind = SolverKind::gauss_seidel;  ///< which of DVI's methods; other engines have one of their own
   ContactLaw law = ContactLaw::exact;
+  Integration integration = Integration::symplectic_euler;
   bool warm_start = true;
   int threads = 1;             ///< >= 1; never changes the result
   double search_margin = 1;    ///< >= 1, multiplies the contact search distance; must not change results
@@ -76,6 +82,7 @@ struct Backend {
   std::vector<std::string> (*unsupported)(const Model&);
   std::unique_ptr<World> (*make)(const Model&, const SolverOptions&);
   bool has_tolerance = true;  ///< false: SolverOptions::tolerance changes nothing (a direct solver)
+  bool has_second_order = false;  ///< knows Integration::second_order; if not, make() refuses it
 };
 
 }  // namespace repose

@@ -50,8 +50,8 @@ bool bed_rests(const Model& model, const Snapshot& state) { return speed_of_grai
 std::string bed_key(const Prepared& bed, const Options& options) {
   const SolverOptions& s = bed.scene.solver;
   const std::string text =
-      fmt::format("{:016x} {} {} {} {} {} {} {} {} {} {} {} {} {}", fingerprint(bed.model), s.time_step, s.tolerance, s.max_iterations,
-                  static_cast<int>(s.kind), static_cast<int>(s.law), s.warm_start, s.search_margin, bed.scene.duration,
+      fmt::format("{:016x} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", fingerprint(bed.model), s.time_step, s.tolerance, s.max_iterations,
+                  static_cast<int>(s.kind), static_cast<int>(s.law), static_cast<int>(s.integration), s.warm_start, s.search_margin, bed.scene.duration,
                   bed.scene.frame_interval, options.backend, options.allow_unsupported, version(), commit());
   std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;

@@ -54,9 +54,10 @@ void print_scene(const Scene& scene) {
                                         scene.periodic.upper[axis]));
   for (const Effect& effect : scene.effects) print_row("effect", effect_name(effect));
   const char* methods[] = {"Gauss-Seidel", "APGD", "Barzilai-Borwein"};
-  print_row("solver", fmt::format("{}, {} law, step {:.4g} s, tolerance {:.4g}, at most {} iterations",
+  print_row("solver", fmt::format("{}, {} law, {}, step {:.4g} s, tolerance {:.4g}, at most {} iterations",
                                   methods[static_cast<std::size_t>(scene.solver.kind)],
-                                  scene.solver.law == ContactLaw::exact ? "exact" : "relaxed", scene.solver.time_step,
+                                  scene.solver.law == ContactLaw::exact ? "exact" : "relaxed",
+                                  scene.solver.integration == Integration::second_order ? "second order" : "symplectic Euler", scene.solver.time_step,
                                   scene.solver.tolerance, scene.solver.max_iterations));
   print_row("duration", fmt::format("{:.4g} s, {:.0f} steps, a frame every {:.4g} s", scene.duration,
                                     scene.duration / scene.solver.time_step, scene.frame_interval));

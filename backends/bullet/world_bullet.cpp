@@ -280,6 +280,8 @@ std::unique_ptr<World> make_world(const Model& model, const SolverOptions& optio
     throw Error("solver", "tolerance and max_iterations must be positive, threads and search_margin at least 1", "");
   if (options.law != ContactLaw::exact)
     throw Error("solver.law", "bullet solves the exact law alone", "leave the law at its default, or use dvi");
+  if (options.integration != Integration::symplectic_euler)
+    throw Error("solver.integration", "bullet is stepped by symplectic Euler alone", "leave it at its default, or use dvi");
   return std::make_unique<WorldBullet>(model, options);
 }
 

@@ -395,6 +395,8 @@ std::unique_ptr<World> make_world(const Model& model, const SolverOptions& optio
     throw Error("solver", "tolerance and max_iterations must be positive, threads and search_margin at least 1", "");
   if (options.law == ContactLaw::relaxed)
     throw Error("solver", "dart has no relaxed contact law", "use the exact one, or the backend dvi");
+  if (options.integration != Integration::symplectic_euler)
+    throw Error("solver.integration", "dart is stepped by symplectic Euler alone", "leave it at its default, or use dvi");
   return std::make_unique<WorldDart>(model, options);
 }
 

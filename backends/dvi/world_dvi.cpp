@@ -9,6 +9,7 @@
 #include "backends/dvi/world_dvi_laws.hpp"
 #include "backends/dvi/impact.hpp"
 #include "backends/dvi/separation.hpp"
+#include "backends/dvi/touch.hpp"
 #include "backends/dvi/units.hpp"
 #include "core/error.hpp"
 
@@ -20,6 +21,10 @@ constexpr double penetration_slop = 1e-3;  // of R*: deeper overlap is removed, 
 constexpr int separation_rounds = 4;
 constexpr double touching = 1e-6;            // of R*
 constexpr std::size_t worth_a_thread = 500;  // bodies: below, waking threads costs more than it saves
+constexpr double blow_share = 1e-3;          // of the scene's step: what a blow takes in second order
+constexpr int most_cuts = 50;                // steps one after another that end at a touch; a ball that comes to rest has no last one
+constexpr double longest_warm_ratio = 10;    // of steps: after a blow the impulses of the step before tell nothing
+constexpr double smooth_jump = 1e-4;         // of R*: a jump of velocity that moves a contact by less is none
 
 Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * diagonal.asDiagonal() * rotation.transpose(); }
 
@@ -50,11 +55,22 @@ class WorldDvi final : public World {
     if (!(dt > 0) || !std::isfinite(dt)) throw Error("step", "the time step must be a positive number", "");
     if (loads.force.size() != model_.bodies.size())
       throw Error("step", "the loads are not those of this model", "fill them with evaluate_loads()");
-    const double h = dt / units_.time;
+    double h = dt / units_.time;
     place_prescribed(dt);
     free_velocities(h, loads);
-    const std::vector<FoundContact>& found =
-        finder_.find(placement(free_velocity_, free_angular_), h, options_.search_margin, options_.threads);
+    const std::vector<FoundContact>* all =
+        &finder_.find(placement(free_velocity_, free_angular_), h, options_.search_margin, options_.threads);
+    const double asked = dt;
+    if (second_order()) {
+      if (const double end = end_at_touch(*all, h); end < h) {
+        h = end;
+        dt = h * units_.time;
+        place_prescribed(dt);
+        free_velocities(h, loads);
+        all = &met_;
+      }
+    }
+    const std::vector<FoundContact>& found = *all;
     build_problem(found, h);
     warm_start(found, h);
     const ConeSolver solver = [this](const ConeProblem& problem, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
@@ -62,7 +78,9 @@ class WorldDvi final : public World {
     SolveReport solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_,
                                             angular_after_);
     StepReport report = report_of(found, solved);
+    report.left = asked - dt;
     keep_impulses(found);
+    if (second_order()) find_smooth(found, h);
     advance(h);
     time_ += dt;
     last_step_ = h;
@@ -222,6 +240,59 @@ class WorldDvi final : public World {
                 Error::Kind::simulation);
   }
 
+  bool second_order() const { return options_.integration == Integration::second_order; }
+
+  /// Where a step of `h` has to end. Blows that fall within a short step of their own are all met in it; otherwise the first
+  /// one ends the step, and `met_` are the contacts without it and those of the same moment.
+  double end_at_touch(const std::vector<FoundContact>& found, double h) {
+    const double scene_step = options_.time_step / units_.time, blow_step = blow_share * scene_step;
+    touch_.clear();
+    double end = h;
+    bool now = false;
+    for (const FoundContact& contact : found) {
+      const Approach approach = approach_of(contact, h);
+      Touch touch = touch_of(approach);
+      if (!is_blow(approach, touch, scene_step)) touch = {};
+      touch_.push_back(touch.time);
+      if (touch.time <= blow_step)
+        now = now || !laws_.compliant();  // a spring takes the time it takes
+      else
+        end = std::min(end, touch.time);
+    }
+    if (now) end = blow_step;
+    if (!(end < h * (1 - 1e-9)) || ++cuts_ > most_cuts) {
+      cuts_ = 0;
+      return h;
+    }
+    met_.clear();
+    for (std::size_t i = 0; i < found.size(); ++i)
+      if (now || touch_[i] <= blow_step || touch_[i] > end * (1 + 1e-9)) met_.push_back(found[i]);
+    return end;
+  }
+
+  Approach approach_of(const FoundContact& contact, double h) const {
+    const auto a = static_cast<std::size_t>(contact.id.a()), b = static_cast<std::size_t>(contact.id.b());
+    const Vec3 arm_a = contact.point.point - position_[a], arm_b = contact.point.point - place_beside(contact.id);
+    const auto along_normal = [&](const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular) {
+      return contact.point.normal.dot(velocity[b] + angular[b].cross(arm_b) - velocity[a] - angular[a].cross(arm_a));
+    };
+    const double before = along_normal(velocity_, angular_);
+    return {contact.point.gap, before, (along_normal(free_velocity_, free_angular_) - before) / h};
+  }
+
+  /// Bodies that no contact stops or throws within this step move by their mean velocity.
+  void find_smooth(const std::vector<FoundContact>& found, double h) {
+    smooth_.assign(model_.bodies.size(), 1);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (impulse_[i] == Impulse{}) continue;
+      const ConeContact& c = problem_.contacts[i];
+      const double jump = std::abs(relative_velocity(c, velocity_after_, angular_after_)[0] - impact_[i].before);
+      if (!laws_.compliant() && 0.5 * h * jump <= smooth_jump * c.arm) continue;
+      smooth_[static_cast<std::size_t>(found[i].id.a())] = 0;
+      smooth_[static_cast<std::size_t>(found[i].id.b())] = 0;
+    }
+  }
+
   void build_problem(const std::vector<FoundContact>& found, double h) {
     const std::size_t n = model_.bodies.size();
     problem_.dynamic_bodies = static_cast<std::int32_t>(finder_.order().size());
@@ -272,7 +343,7 @@ class WorldDvi final : public World {
   /// First impulses: those of the same contacts one step ago.
   void warm_start(const std::vector<FoundContact>& found, double h) {
     impulse_.assign(found.size(), Impulse{});
-    if (!options_.warm_start || kept_.empty()) return;
+    if (!options_.warm_start || kept_.empty() || h > longest_warm_ratio * last_step_) return;
     std::unordered_map<std::uint64_t, std::size_t> first;
     first.reserve(kept_.size());
     for (std::size_t i = 0; i < kept_.size(); ++i) first.try_emplace(kept_[i].id.bodies, i);
@@ -397,16 +468,31 @@ class WorldDvi final : public World {
     angular_[body] = after * (after.transpose() * momentum).cwiseQuotient(inertia_[body]);
   }
 
-  /// Symplectic Euler.
+  /// The rate at which a body with this angular momentum turns once it has turned by `turn`.
+  Vec3 spin_after(std::size_t body, const Vec3& turn) const {
+    if (isotropic_[body]) return angular_[body];
+    const Mat3 now = orientation_[body].toRotationMatrix();
+    const Mat3 then = (rotation_of(turn) * orientation_[body]).toRotationMatrix();
+    return then * (then.transpose() * now * inertia_[body].cwiseProduct(now.transpose() * angular_[body])).cwiseQuotient(inertia_[body]);
+  }
+
+  /// Symplectic Euler; in second order the mean of the velocities at both ends, and the spin half way.
   void advance(double h) {
     const auto dynamic = static_cast<std::size_t>(problem_.dynamic_bodies);
     for (std::size_t slot = 0; slot < dynamic; ++slot) {
       const auto body = static_cast<std::size_t>(body_of_slot_[slot]);
+      const Vec3 before = velocity_[body], spin_before = angular_[body];
       velocity_[body] = velocity_after_[slot];
       angular_[body] = angular_after_[slot];
       if (!velocity_[body].allFinite() || !angular_[body].allFinite()) fail(body);
-      position_[body] += h * velocity_[body];
-      turn_body(body, h * angular_[body]);
+      if (second_order() && smooth_[body] != 0) {
+        position_[body] += 0.5 * h * (before + velocity_[body]);
+        const Vec3 gained = angular_[body] - spin_before;  // by torques: half of it acts on average
+        turn_body(body, h * (spin_after(body, 0.5 * h * angular_[body]) - 0.5 * gained));
+      } else {
+        position_[body] += h * velocity_[body];
+        turn_body(body, h * angular_[body]);
+      }
     }
     // Prescribed bodies are shown where they will be at the end of the step.
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
@@ -459,6 +545,10 @@ class WorldDvi final : public World {
   std::vector<ImpactData> impact_;
   std::vector<Impulse> impulse_;
   std::vector<Vec3> velocity_after_, angular_after_;
+  std::vector<double> touch_;         // by found contact: time of a blow, in second order
+  std::vector<FoundContact> met_;     // those of a step that ends at a touch
+  std::vector<char> smooth_;          // by body
+  int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
   std::vector<Vec3> resting_;  // zeros
   ConeProblem overlap_;
   std::vector<double> gap_;

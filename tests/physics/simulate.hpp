@@ -40,10 +40,13 @@ class Simulation {
     world_->read(state_);
   }
 
+  /// The whole step, in as many parts as the backend takes; report() is of the last.
   void step() {
-    evaluate_loads(model_, state_, loads_);
-    report_ = world_->step(options_.time_step, loads_);
-    world_->read(state_);
+    for (double left = options_.time_step; left > 0; left = report_.left) {
+      evaluate_loads(model_, state_, loads_);
+      report_ = world_->step(left, loads_);
+      world_->read(state_);
+    }
   }
 
   Simulation& run(int steps, const Watch& watch = {}) {

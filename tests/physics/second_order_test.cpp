@@ -1,0 +1,141 @@
+/// Integration::second_order of DVI against continuous time: what symplectic Euler gives in proportion to the step is gone.
+#include <cmath>
+
+#include "core/error.hpp"
+#include "tests/physics/answer.hpp"
+#include "tests/physics/simulate.hpp"
+
+namespace repose::test {
+namespace {
+
+constexpr double g = 9.81;
+
+SolverOptions second_order(double step) {
+  SolverOptions options = precise(step);
+  options.integration = Integration::second_order;
+  return options;
+}
+
+/// Height of a ball that is let go at `drop` above the floor and bounces with e, in continuous time.
+double bouncing(double drop, double e, double t) {
+  const double fall = std::sqrt(2 * drop / g);
+  if (t < fall) return drop - 0.5 * g * t * t;
+  double speed = e * g * fall, since = t - fall;
+  for (; since > 2 * speed / g; speed *= e) since -= 2 * speed / g;
+  return speed * since - 0.5 * g * since * since;
+}
+
+TEST(SecondOrder, AThrownBallIsOnItsParabola) {
+  const Vec3 x(0.1, -0.2, 5), v(1, 2, 3);
+  const double h = 5e-3;
+  Simulation s("dvi", ModelBuilder().material("m").sphere("m", 0.02, {.position = x, .velocity = v}).build(), second_order(h));
+  s.run(200);
+  const Vec3 closed = x + v - 0.5 * Vec3(0, 0, g);
+  for (int k = 0; k < 3; ++k)
+    expect_answer({std::string("second order, free fall, 1 s, ") + "xyz"[k] + " [m]", closed[k], s.position(0)[k], 1e-12, NAN, closed.norm()});
+}
+
+TEST(SecondOrder, AnImpactIsWhereAndWhenItWas) {
+  const double radius = 0.05, drop = 0.6, e = 0.8;
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .law("m", "m", {.restitution = e})
+                          .floor("m")
+                          .sphere("m", radius, {.position = {0, 0, radius + drop}})
+                          .build();
+  for (const double h : {1e-3, 4e-3}) {
+    Simulation s("dvi", model, second_order(h));
+    double worst = 0;
+    // Six bounces; afterwards the next comes within a few steps.
+    s.run(static_cast<int>(2.4 / h), [&](const Simulation& now) {
+      worst = std::max(worst, std::abs(now.position(1).z() - radius - bouncing(drop, e, now.state().time)));
+    });
+    // A blow takes a thousandth of the step, from which the ball leaves with the speed after it: each sets it off by up to
+    // (1 + e) v h / 1000, together (1 + e) / (1 - e) / 1000.
+    expect_answer({"second order, bouncing ball, worst error in 2.4 s / (h sqrt(2 g drop))", 0, worst / (h * std::sqrt(2 * g * drop)),
+                   1e-3 * (1 + e) / (1 - e), NAN, 1});
+  }
+}
+
+TEST(SecondOrder, ABallThatNoLongerBouncesComesToRest) {
+  const double radius = 0.05;
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .law("m", "m", {.friction = 0.5, .restitution = 0.5})
+                          .floor("m")
+                          .sphere("m", radius, {.position = {0, 0, radius + 0.1}})
+                          .build();
+  Simulation s("dvi", model, second_order(1e-3));
+  s.run(2000);
+  EXPECT_NEAR(s.position(1).z(), radius, 1e-3 * radius);
+  EXPECT_LT(s.velocity(1).norm(), 1e-12);
+}
+
+TEST(SecondOrder, ASlidingBlockStopsWhereItShould) {
+  const double mu = 0.3, speed = 1.2, h = 1e-3;
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .law("m", "m", {.friction = mu})
+                          .floor("m")
+                          .box("m", {0.1, 0.1, 0.02}, {.position = {0, 0, 0.02}, .velocity = {speed, 0, 0}})
+                          .build();
+  Simulation s("dvi", model, second_order(h));
+  s.run(200);
+  expect_answer({"second order, sliding block, 0.2 s, x [m]", speed * 0.2 - 0.5 * mu * g * 0.04, s.position(1).x(), 1e-8});
+  s.run(400);
+  expect_answer({"second order, sliding block, stopping distance [m]", speed * speed / (2 * mu * g), s.position(1).x(), 1e-5});
+}
+
+/// A box that tumbles about its middle axis: the unstable one, where every error shows.
+Vec3 tip_of_tumbling_box(double h, Integration integration) {
+  SolverOptions options = precise(h);
+  options.integration = integration;
+  Simulation s("dvi", ModelBuilder().material("m").gravity(Vec3::Zero()).box("m", {0.03, 0.05, 0.08}, {.angular_velocity = {0.3, 9, 0.2}}).build(),
+               options);
+  s.run(static_cast<int>(std::lround(1 / h)));
+  return s.state().orientation[0] * Vec3(0, 0, 1);
+}
+
+TEST(SecondOrder, TumblingConvergesWithTheSquareOfTheStep) {
+  const Vec3 exact = tip_of_tumbling_box(2e-5, Integration::second_order);
+  const double coarse = (tip_of_tumbling_box(2e-3, Integration::second_order) - exact).norm();
+  const double fine = (tip_of_tumbling_box(1e-3, Integration::second_order) - exact).norm();
+  const double euler = (tip_of_tumbling_box(1e-3, Integration::symplectic_euler) - exact).norm();
+  expect_answer({"second order, tumbling box, error at 2 h / error at h", 4, coarse / fine, 0.2});
+  EXPECT_LT(fine, 0.05 * euler);
+}
+
+/// A cube that falls on an edge, tips over and comes to lie.
+Vec3 thrown_cube(double h, Integration integration) {
+  SolverOptions options = usual(h, 1e-8);
+  options.integration = integration;
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .law("m", "m", {.friction = 0.2, .restitution = 0.3})
+                          .floor("m")
+                          .box("m", {0.05, 0.05, 0.05},
+                               {.position = {0, 0, 0.2}, .velocity = {0.4, 0.1, 0}, .angular_velocity = {0, 3, 0.5}, .orientation = turn(0.4, {0.3, 1, 0.2})})
+                          .build();
+  Simulation s("dvi", model, options);
+  s.run(static_cast<int>(std::lround(0.3 / h)));
+  return s.position(1);
+}
+
+TEST(SecondOrder, AThrownCubeConvergesFaster) {
+  const Vec3 exact = thrown_cube(1e-5, Integration::second_order);
+  const double ours = (thrown_cube(1e-3, Integration::second_order) - exact).norm();
+  const double euler = (thrown_cube(1e-3, Integration::symplectic_euler) - exact).norm();
+  print_row("second order, thrown cube, 0.3 s, error of symplectic Euler / ours", 0, euler / ours, 0, 0);
+  EXPECT_LT(ours, 0.2 * euler);
+}
+
+TEST(SecondOrder, OtherBackendsRefuseIt) {
+  const Model model = ModelBuilder().material("m").sphere("m", 0.1).build();
+  for (const Backend& backend : backends()) {
+    if (backend.has_second_order) continue;
+    EXPECT_THROW(backend.make(model, second_order(1e-3)), Error) << backend.name;
+  }
+}
+
+}  // namespace
+}  // namespace repose::test
