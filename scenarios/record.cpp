@@ -27,6 +27,14 @@ void measure_heap_into(const Prepared& prepared, const HistoryRun& run, Observat
   }
 }
 
+/// A recording stands for the world, not for a step: few bodies are solved to second order where the backend can, unless the scene
+/// names its integration.
+void solve_closely(Prepared& prepared) {
+  if (prepared.model.grain_count() > 0 || !prepared.backend->has_second_order) return;
+  if (node_at(parse_yaml(prepared.scene.text, "scene"), "solver.integration") != nullptr) return;
+  prepared.scene.solver.integration = Integration::second_order;
+}
+
 BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
                      const Options& options, std::uint64_t seed) {
   BundleRun run;
@@ -71,7 +79,8 @@ int record(const Options& options) {
     std::vector<Override> changes = options.overrides;
     changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
     changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
-    const Prepared prepared = prepare(load_scene(options.file, changes), options);
+    Prepared prepared = prepare(load_scene(options.file, changes), options);
+    solve_closely(prepared);
     bundle.runs.push_back(record_run(prepared, block, block.runs[i], options, options.seed + i));
   }
   write_bundle(options.out, bundle);

@@ -15,6 +15,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr int shown_runs = 6;  // in the report
+constexpr double told_error = 0.3;  // of the noise
 
 class Diagnosing {
  public:
@@ -32,6 +33,7 @@ class Diagnosing {
     fit_options_.threads = options.threads;
     fit_options_.interrupted = options.interrupted;
     note_horizons(bundle);
+    note_scene_error();
   }
 
   Diagnosis run() {
@@ -74,6 +76,13 @@ class Diagnosing {
                                             data.run->id, data.run->from + data.horizon, data.run->from + end));
     }
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
+  }
+
+  void note_scene_error() {
+    for (const auto& [observable, error] : problem_.scene_error())
+      if (error > told_error)
+        result_.notes.push_back(fmt::format("Solved as the scene says, with its step and integration, {} is wrong by {:.2g} of the noise; every hypothesis was "
+                                            "solved to second order instead (solver.integration).", observable, error));
   }
 
   /// A nominal scene that cannot be run is for the user to mend: the reason is thrown.

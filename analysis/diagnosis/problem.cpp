@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Dense>
+
 #include "analysis/diagnosis/recorded_noise.hpp"
 #include "analysis/diagnosis/scene_values.hpp"
 #include "core/atomic_file.hpp"
@@ -15,6 +17,8 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
+// Recordings may themselves be simulated, by a maker who took a finer step than the scene's but no exact one.
+constexpr double step_of_makers = 0.25;
 constexpr double largest_residual = 1e6;  // of the noise
 
 /// A constant that nobody measured: bounds of the effect that has its key.
@@ -75,6 +79,7 @@ Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Sim
   const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
   for (const std::string& key : bundle.calibrate) calibrated_.push_back(calibrated(key, tree, scale_));
   for (const std::size_t index : runs) add_run(index);
+  choose_numerics();
   add_numerics();
 }
 
@@ -93,7 +98,6 @@ void Problem::add_run(std::size_t index) {
     throw Error("run " + data.run->id, "holds nothing that a few-body simulation can be compared with",
                 "give a trajectory, or a series specific_force, speed or height");
   runs_.push_back(std::move(data));
-  find_horizon(runs_.size() - 1);
 }
 
 void Problem::set_up_channels(RunData& data) const {
@@ -167,32 +171,76 @@ void Problem::find_horizon(std::size_t run) {
   }
 }
 
+void Problem::choose_numerics() {
+  numerics_.second_order = true;
+  if (parting(numerics_, numerics_).empty()) numerics_ = {};
+  for (std::size_t run = 0; run < runs_.size(); ++run) find_horizon(run);
+}
+
 void Problem::add_numerics() {
-  std::map<std::string, std::vector<double>> errors;  // by observable, of each run: rms in units of the noise
-  Layout coarse = layout({}), fine = coarse;
-  fine.numerics.step_factor = 0.5;
-  const Values shared = starts(coarse.shared);
-  for (std::size_t run = 0; run < runs_.size(); ++run) {
-    const Values own = starts(runs_[run].start);
-    const Eigen::VectorXd a = plain_residual(coarse, run, shared, own), b = plain_residual(fine, run, shared, own);
-    if (a.size() == 0 || b.size() == 0) continue;
-    for (const Channel& c : runs_[run].channels)
-      if (const auto n = static_cast<Eigen::Index>(c.time.size()); n > 0)
-        errors[c.observable].push_back((a - b).segment(c.first, n).norm() / std::sqrt(static_cast<double>(n)));
-  }
-  for (auto& [name, list] : errors) {
-    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
-    std::nth_element(list.begin(), middle, list.end());
-    noise_[name].sd *= std::hypot(1.0, std::min(*middle, largest_numerics));
+  Numerics fine = numerics_;
+  fine.step_factor = 0.5;
+  const std::map<std::string, double> ours = parting(numerics_, fine);
+  if (numerics_.second_order) scene_error_ = parting({}, numerics_);
+  for (const auto& [name, error] : ours) {
+    const auto scene = scene_error_.find(name);
+    const double maker = scene == scene_error_.end() ? 0 : step_of_makers * std::min(scene->second, largest_numerics);
+    noise_[name].sd *= std::hypot(1.0, std::min(error, largest_numerics), maker);
   }
   for (RunData& data : runs_)
     for (Channel& c : data.channels)
       if (const auto noise = noise_.find(c.observable); noise != noise_.end() && noise->second.sd > 0) c.noise = noise->second.sd;
 }
 
+std::map<std::string, double> Problem::parting(const Numerics& one, const Numerics& other) const {
+  std::map<std::string, std::vector<double>> errors;
+  Layout first = layout({}), second = first;
+  first.numerics = one;
+  second.numerics = other;
+  const Values shared = starts(first.shared);
+  for (std::size_t run = 0; run < runs_.size(); ++run) {
+    const Values own = starts(runs_[run].start);
+    const Eigen::VectorXd a = plain_residual(first, run, shared, own), b = plain_residual(second, run, shared, own);
+    if (a.size() == 0 || b.size() == 0) continue;
+    const Eigen::VectorXd parted = beyond_start_values(second, run, shared, a - b);
+    std::map<std::string, std::pair<double, double>> squares;  // sum and number
+    for (const Channel& c : runs_[run].channels) {
+      auto& [sum, number] = squares[c.observable];
+      sum += parted.segment(c.first, static_cast<Eigen::Index>(c.time.size())).squaredNorm();
+      number += static_cast<double>(c.time.size());
+    }
+    for (const auto& [name, s] : squares)
+      if (s.second > 0) errors[name].push_back(std::sqrt(s.first / s.second));
+  }
+  std::map<std::string, double> medians;
+  for (auto& [name, list] : errors) {
+    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+    std::nth_element(list.begin(), middle, list.end());
+    medians[name] = *middle;
+  }
+  return medians;
+}
+
+Eigen::VectorXd Problem::beyond_start_values(const Layout& layout, std::size_t run, const Values& shared, Eigen::VectorXd of) const {
+  const Values own = starts(runs_[run].start);
+  if (own.size() == 0 || of.isZero()) return of;
+  Eigen::MatrixXd responses(of.size(), own.size());
+  for (Eigen::Index i = 0; i < own.size(); ++i) {
+    const Values step = Values::Unit(own.size(), i) * runs_[run].start[static_cast<std::size_t>(i)].step;
+    const Eigen::VectorXd up = plain_residual(layout, run, shared, own + step), down = plain_residual(layout, run, shared, own - step);
+    responses.col(i).setZero();
+    if (up.size() > 0 && down.size() > 0) responses.col(i) = up - down;
+    if (const double size = responses.col(i).norm(); size > 0) responses.col(i) /= size;
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(responses);
+  of -= responses * qr.solve(of);
+  return of;
+}
+
 Layout Problem::layout(const Hypothesis& hypothesis) const {
   Layout result;
   result.hypothesis = hypothesis;
+  result.numerics = numerics_;
   result.shared = calibrated_;
   for (const RunData& data : runs_) result.per_run.push_back(data.start);
   for (const Term& term : hypothesis.terms) {
@@ -211,6 +259,7 @@ YamlNode Problem::solved_by(YamlNode tree, const Layout& layout) const {
   const Numerics& how = layout.numerics;
   if (how.step_factor != 1) set_path(tree, "solver.time_step", fmt::format("{}", solver.time_step * how.step_factor));
   if (how.tolerance_factor != 1) set_path(tree, "solver.tolerance", fmt::format("{}", solver.tolerance * how.tolerance_factor));
+  if (how.second_order) set_path(tree, "solver.integration", "second_order");
   if (how.other_law) set_path(tree, "solver.law", solver.law == ContactLaw::exact ? "relaxed" : "exact");
   return tree;
 }

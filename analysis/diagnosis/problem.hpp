@@ -35,6 +35,7 @@ struct Numerics {
   double step_factor = 1;       ///< of the time step
   double tolerance_factor = 1;
   bool other_law = false;       ///< the relaxed contact law where the scene has the exact one, and the other way round
+  bool second_order = false;    ///< Integration::second_order, whatever the scene says
 };
 
 /// A hypothesis with its parameters laid out.
@@ -73,14 +74,25 @@ class Problem {
                                  const std::vector<WindowLoad>& loads = {}) const;
   /// Noise by observable, as used: of the sensor, at least 1e-4 of the observable's range, and of the time step.
   const std::map<std::string, NoiseModel>& noise() const { return noise_; }
+  /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given.
+  const Numerics& numerics() const { return numerics_; }
+  /// What the scene's own way to solve it is wrong by, beyond what start values imitate: by observable, in units of the sensor's
+  /// noise, rms of the run in the middle. Empty where second order is not to be had.
+  const std::map<std::string, double>& scene_error() const { return scene_error_; }
 
  private:
   void add_run(std::size_t index);
   void set_up_channels(RunData& data) const;
   void find_horizon(std::size_t run);
   YamlNode solved_by(YamlNode tree, const Layout& layout) const;
-  /// Adds to the noise (in squares) how far runs at h and h/2 part: the step must not pass for physics.
+  void choose_numerics();
+  /// Adds to the noise (in squares) what the step may be wrong by: it must not pass for physics.
   void add_numerics();
+  /// How far the simulations of two ways to solve part, without what start values imitate: by observable, rms in units of the
+  /// noise, the median of all runs. Empty if one of them fails.
+  std::map<std::string, double> parting(const Numerics& one, const Numerics& other) const;
+  /// `of` without what changes of the start values do to first order.
+  Eigen::VectorXd beyond_start_values(const Layout& layout, std::size_t run, const Values& shared, Eigen::VectorXd of) const;
 
   const Bundle& bundle_;
   Simulate simulate_;
@@ -88,6 +100,8 @@ class Problem {
   std::vector<Parameter> calibrated_;
   std::map<std::string, NoiseModel> noise_;  ///< by observable
   std::vector<RunData> runs_;
+  Numerics numerics_;
+  std::map<std::string, double> scene_error_;
   mutable SimulationStore own_store_;
   SimulationStore* store_;
   mutable std::atomic<std::size_t> simulations_{0};

@@ -16,6 +16,7 @@ constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fi
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3;
 constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
+constexpr double coarse_scene = 3;        // of the noise, rms: a step that errs by less is none that anyone would blame
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
 double worth(const Fit& fit) { return fit.chi2 + 2 * fit.parameters; }
@@ -87,6 +88,20 @@ void Search::calibrate() {
     }
   }
   fits_.assign(1, std::move(best));
+  compare_as_given();
+}
+
+/// Where the scene's own way to solve it is wrong by more than a small multiple of the noise, the nominal is the scene as given, and
+/// what it is measured against, as `time_step`, the scene in second order.
+void Search::compare_as_given() {
+  if (!problem_.numerics().second_order || stopped()) return;
+  Fit given = fits_.front();
+  given.layout.numerics = {};
+  given = improved(given);
+  if (!std::isfinite(given.chi2) || !(given.chi2 - fits_.front().chi2 > coarse_scene * coarse_scene * static_cast<double>(given.samples))) return;
+  Fit finer = std::move(fits_.front());
+  finer.layout.hypothesis.terms = {{find_effect("time_step"), ""}};
+  fits_ = {std::move(given), std::move(finer)};
 }
 
 /// Steps 4 and 5 about any fit.
@@ -229,9 +244,9 @@ void Search::fit_pairs() {
     if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
 }
 
-/// Does the mismatch go away with a quarter of the step, with a tenth of the tolerance, or with the other contact law?
+/// Does the mismatch go away with a finer step, with a tenth of the tolerance, or with the other contact law?
 void Search::fit_numerics() {
-  Numerics finer_step, finer_tolerance, other_law;
+  Numerics finer_step = fits_.front().layout.numerics, finer_tolerance = finer_step, other_law = finer_step;
   finer_step.step_factor = 0.25;
   finer_tolerance.tolerance_factor = 0.1;
   other_law.other_law = true;

@@ -58,6 +58,7 @@ class Search {
   bool stopped();
   void tell(const std::string& stage, double done, double total) const;
   void calibrate();
+  void compare_as_given();
   LackOfFit judge(const Fit& fit);
   std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms);
   Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;

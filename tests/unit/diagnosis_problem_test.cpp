@@ -200,6 +200,38 @@ TEST(Problem, ResidualsAreInUnitsOfTheNoise) {
   for (std::size_t i = 0; i < x.time.size(); ++i) EXPECT_NEAR(r[x.first + static_cast<Eigen::Index>(i)], 0.1 * x.time[i] / 0.01, 1e-6);
 }
 
+TEST(Problem, SolvesToSecondOrderAndAllowsForTheStepOfWhoeverMadeTheRecordings) {
+  Bundle bundle = flights({.noise = 0});
+  bundle.noise["position"] = 0.001;
+  const Problem problem(bundle, all(bundle), fly_late_by(1));
+  EXPECT_TRUE(problem.numerics().second_order);
+  EXPECT_TRUE(problem.layout({}).numerics.second_order);
+  // Along x 10 mm/s too much from the middle on, in mm; another start imitates the larger part of it.
+  double squares = 0, start_squares = 0, products = 0, count = 0;
+  for (const double t : bundle.runs[0].observations[0].time) {
+    const double error = std::max(0.0, t - 0.3) / 0.1;
+    squares += error * error;
+    start_squares += t * t;
+    products += t * error;
+    count += 3;
+  }
+  EXPECT_NEAR(problem.scene_error().at("position"), std::sqrt((squares - products * products / start_squares) / count), 1e-6);
+  EXPECT_NEAR(problem.noise().at("position").sd, 0.001 * std::hypot(1, 0.25 * problem.scene_error().at("position")), 1e-9);
+}
+
+TEST(Problem, StaysWithTheScenesOwnWayWhereTheBackendHasNoOther) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) -> History {
+    if (request.scene->solver.integration == Integration::second_order) throw Error("solver.integration", "not here", "");
+    return fly(request);
+  });
+  EXPECT_FALSE(problem.numerics().second_order);
+  EXPECT_TRUE(problem.scene_error().empty());
+  Values own(3);
+  own << 3, 0, 2;
+  EXPECT_EQ(problem.residual(problem.layout({}), 0, Values(0), own).size(), problem.runs()[0].size);
+}
+
 TEST(Problem, AFailedSimulationIsNoPointAtAll) {
   const Bundle bundle = flights({});
   const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) -> History {

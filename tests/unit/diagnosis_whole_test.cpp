@@ -163,6 +163,20 @@ TEST(Diagnosis, NamesPhysicsAloneWhereTheStepIsTooCoarseAsWell) {
   EXPECT_NE(d.extended_scene.find("time_step: 0.0025"), std::string::npos) << d.extended_scene;
 }
 
+TEST(Diagnosis, BlamesAStepThatErrsByManyTimesTheNoise) {
+  const Diagnosis d = diagnose(flights(six(1, "{}")), fly_late_by(20), quick());
+  EXPECT_EQ(d.verdict.word, "numerics");
+  EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"time_step"});
+  EXPECT_EQ(parse_scene(d.extended_scene, "extended").solver.integration, Integration::second_order);
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
+}
+
+TEST(Diagnosis, BlamesNoStepThatErrsByLessThanTheNoise) {
+  const Diagnosis d = diagnose(flights(six(1, "{}")), fly_late_by(3), quick());
+  EXPECT_EQ(d.verdict.word, "none");
+  EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.find("solver.integration") != std::string::npos; }));
+}
+
 TEST(Diagnosis, RaisesFalseAlarmsAsRarelyAsItsDesign) {
   constexpr int cases = 120;
   int alarms = 0, low = 0;

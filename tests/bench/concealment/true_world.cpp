@@ -83,6 +83,7 @@ History live(const std::string& text, const std::vector<Override>& changes, cons
   request.scene = &scene;
   request.contacts = true;
   const Backend& backend = find_backend(conditions.backend);
+  if (backend.has_second_order) scene.solver.integration = Integration::second_order;
   History history = run_history(backend, request, false).history;
   for (int pass = 0; conditions.field && pass < field_passes; ++pass) {
     request.loads = windows_of(conditions.field, history, body);
