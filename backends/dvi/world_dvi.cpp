@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "backends/dvi/cone_solver.hpp"
 #include "backends/dvi/contact_finder.hpp"
 #include "backends/dvi/world_dvi_laws.hpp"
 #include "backends/dvi/impact.hpp"
+#include "backends/dvi/last_impulses.hpp"
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/touch.hpp"
 #include "backends/dvi/units.hpp"
@@ -23,17 +23,9 @@ constexpr double touching = 1e-6;            // of R*
 constexpr std::size_t worth_a_thread = 500;  // bodies: below, waking threads costs more than it saves
 constexpr double blow_share = 1e-3;          // of the scene's step: what a blow takes in second order
 constexpr int most_cuts = 50;                // steps one after another that end at a touch; a ball that comes to rest has no last one
-constexpr double longest_warm_ratio = 10;    // of steps: after a blow the impulses of the step before tell nothing
 constexpr double smooth_jump = 1e-4;         // of R*: a jump of velocity that moves a contact by less is none
 
 Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * diagonal.asDiagonal() * rotation.transpose(); }
-
-/// A contact of the last step with its impulse, in world axes so that a turned frame changes nothing.
-struct KeptImpulse {
-  ContactId id;
-  Vec3 force = Vec3::Zero();   ///< impulse on b
-  Vec3 couple = Vec3::Zero();  ///< on b
-};
 
 class WorldDvi final : public World {
  public:
@@ -72,18 +64,20 @@ class WorldDvi final : public World {
     }
     const std::vector<FoundContact>& found = *all;
     build_problem(found, h);
-    warm_start(found, h);
+    if (options_.warm_start)
+      last_.start(found, problem_, h, impulse_);
+    else
+      impulse_.assign(found.size(), Impulse{});
     const ConeSolver solver = [this](const ConeProblem& problem, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
                                      std::vector<Vec3>& angular) { return solve(problem, options_, impulse, velocity, angular); };
     SolveReport solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_,
                                             angular_after_);
     StepReport report = report_of(found, solved);
     report.left = asked - dt;
-    keep_impulses(found);
+    last_.keep(found, problem_, impulse_, h);
     if (second_order()) find_smooth(found, h);
     advance(h);
     time_ += dt;
-    last_step_ = h;
     if (!laws_.compliant()) remove_penetration();
     wrap();
     return report;
@@ -100,59 +94,17 @@ class WorldDvi final : public World {
     }
   }
 
-  void read(std::vector<Contact>& contacts) const override {
-    contacts.clear();
-    for (std::size_t i = 0; i < kept_.size(); ++i) {
-      Contact contact;
-      contact.a = kept_[i].id.a();
-      contact.b = kept_[i].id.b();
-      contact.point = kept_point_[i].point * units_.length;
-      contact.normal = kept_point_[i].normal;
-      contact.gap = kept_point_[i].gap * units_.length;
-      contact.force = kept_[i].force * (units_.force() / last_step_);
-      contact.torque = kept_[i].couple * (units_.force() * units_.length / last_step_);
-      contacts.push_back(contact);
-    }
-  }
+  void read(std::vector<Contact>& contacts) const override { last_.read(contacts, units_); }
 
   void save(Frame& frame) const override {
     read(frame.state);
-    std::vector<double>& numbers = frame.numbers["contact_impulses"];
-    std::vector<std::int64_t>& ids = frame.integers["contact_ids"];
-    numbers.clear();
-    ids.clear();
-    for (const KeptImpulse& kept : kept_) {
-      for (int k = 0; k < 3; ++k) numbers.push_back(kept.force[k] * units_.impulse());
-      for (int k = 0; k < 3; ++k) numbers.push_back(kept.couple[k] * units_.impulse() * units_.length);
-      ids.push_back(static_cast<std::int64_t>(kept.id.bodies));
-      ids.push_back(static_cast<std::int64_t>(kept.id.features));
-    }
-    frame.numbers["last_step"] = {last_step_ * units_.time};
+    last_.save(frame, units_);
   }
 
   void restore(const Frame& frame) override {
-    const auto numbers = frame.numbers.find("contact_impulses");
-    const auto ids = frame.integers.find("contact_ids");
-    const auto last = frame.numbers.find("last_step");
-    const bool fits = frame.state.size() == model_.bodies.size() && numbers != frame.numbers.end() &&
-                      ids != frame.integers.end() && last != frame.numbers.end() && last->second.size() == 1 &&
-                      numbers->second.size() == 3 * ids->second.size() && ids->second.size() % 2 == 0;
-    if (!fits)
+    if (frame.state.size() != model_.bodies.size() || !last_.restore(frame, units_))
       throw Error("checkpoint", "it does not fit this model", "resume with the scene and seed that wrote it, or start afresh");
     load_state(frame.state);
-    kept_.clear();
-    kept_point_.clear();
-    for (std::size_t i = 0; i < ids->second.size() / 2; ++i) {
-      KeptImpulse kept;
-      kept.id = {static_cast<std::uint64_t>(ids->second[2 * i]), static_cast<std::uint64_t>(ids->second[2 * i + 1])};
-      for (std::size_t k = 0; k < 3; ++k) {
-        kept.force[static_cast<Eigen::Index>(k)] = numbers->second[6 * i + k] / units_.impulse();
-        kept.couple[static_cast<Eigen::Index>(k)] = numbers->second[6 * i + 3 + k] / (units_.impulse() * units_.length);
-      }
-      kept_.push_back(kept);
-      kept_point_.push_back({});
-    }
-    last_step_ = last->second[0] / units_.time;
   }
 
  private:
@@ -340,32 +292,6 @@ class WorldDvi final : public World {
     }
   }
 
-  /// First impulses: those of the same contacts one step ago.
-  void warm_start(const std::vector<FoundContact>& found, double h) {
-    impulse_.assign(found.size(), Impulse{});
-    if (!options_.warm_start || kept_.empty() || h > longest_warm_ratio * last_step_) return;
-    std::unordered_map<std::uint64_t, std::size_t> first;
-    first.reserve(kept_.size());
-    for (std::size_t i = 0; i < kept_.size(); ++i) first.try_emplace(kept_[i].id.bodies, i);
-    const double ratio = last_step_ > 0 ? h / last_step_ : 1;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const auto at = first.find(found[i].id.bodies);
-      if (at == first.end()) continue;
-      // The contacts of one pair stand together.
-      for (std::size_t k = at->second; k < kept_.size() && kept_[k].id.bodies == found[i].id.bodies; ++k) {
-        if (kept_[k].id.features != found[i].id.features) continue;
-        const ConeContact& c = problem_.contacts[i];
-        Vec3 t1, t2;
-        contact_frame(c, t1, t2);
-        const Vec3 force = ratio * kept_[k].force;
-        const Vec3 couple = ratio / c.arm * kept_[k].couple;
-        impulse_[i] = {std::max(c.normal.dot(force), -c.cohesion), t1.dot(force), t2.dot(force), t1.dot(couple),
-                       t2.dot(couple), c.normal.dot(couple)};
-        break;
-      }
-    }
-  }
-
   StepReport report_of(const std::vector<FoundContact>& found, const SolveReport& solved) const {
     StepReport report;
     report.contacts = static_cast<int>(found.size());
@@ -504,21 +430,6 @@ class WorldDvi final : public World {
     }
   }
 
-  void keep_impulses(const std::vector<FoundContact>& found) {
-    kept_.resize(found.size());
-    kept_point_.resize(found.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const ConeContact& c = problem_.contacts[i];
-      const Impulse& g = impulse_[i];
-      Vec3 t1, t2;
-      contact_frame(c, t1, t2);
-      kept_[i].id = found[i].id;
-      kept_[i].force = g[0] * c.normal + g[1] * t1 + g[2] * t2;
-      kept_[i].couple = c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal);
-      kept_point_[i] = found[i].point;
-    }
-  }
-
   Model model_;
   SolverOptions options_;
   Units units_;
@@ -532,9 +443,7 @@ class WorldDvi final : public World {
   double time_ = 0;  // [s]
   std::vector<Vec3> position_, velocity_, angular_;
   std::vector<Quat> orientation_;
-  std::vector<KeptImpulse> kept_;
-  std::vector<ContactPoint> kept_point_;
-  double last_step_ = 0;
+  LastImpulses last_;
 
   // Work space of one step.
   std::vector<Mat3> rotation_;

@@ -1,0 +1,39 @@
+#pragma once
+/// The contacts of the last step with their impulses: what the next step starts from, what World::read tells, what a checkpoint holds.
+#include <span>
+#include <vector>
+
+#include "backends/dvi/cone_problem.hpp"
+#include "backends/dvi/contact_finder.hpp"
+#include "backends/dvi/units.hpp"
+#include "core/world.hpp"
+
+namespace repose::dvi {
+
+class LastImpulses {
+ public:
+  /// Those of a step of `step` [units.time]: one impulse for each contact found and of the problem.
+  void keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step);
+
+  /// First impulses of a step of `step`: those of the same contacts one step ago, in proportion to the steps. Zero where the step
+  /// before was a tenth or less: a blow tells nothing of what follows.
+  void start(std::span<const FoundContact> found, const ConeProblem& problem, double step, std::vector<Impulse>& impulse) const;
+
+  void read(std::vector<Contact>& contacts, const Units& units) const;
+  void save(Frame& frame, const Units& units) const;
+  /// False, and nothing is changed, if the frame holds no such thing.
+  bool restore(const Frame& frame, const Units& units);
+
+ private:
+  /// In world axes, so that a turned frame changes nothing.
+  struct Kept {
+    ContactId id;
+    Vec3 force = Vec3::Zero();   ///< impulse on b
+    Vec3 couple = Vec3::Zero();  ///< on b
+    ContactPoint point;
+  };
+  std::vector<Kept> kept_;
+  double step_ = 0;
+};
+
+}  // namespace repose::dvi
