@@ -16,24 +16,68 @@ constexpr double ninety = 1.645;               // standard errors
 constexpr double rise = ninety * ninety;       // of chi^2 at the end of the interval
 constexpr double close = 0.05;                 // of the rise, relative
 constexpr int trials = 8;
+constexpr int iterations = 4;                  // of each refit: it begins where it will nearly end
 constexpr std::size_t least_runs = 6;
 constexpr int bootstrap_replicas = 999;
 constexpr std::uint64_t stream = 91;
 
+/// How all other parameters follow shared parameter k, to first order: a profile that begins there is there at once.
+struct Following {
+  Values shared;             ///< per unit of parameter k; 1 at k
+  std::vector<Values> own;   ///< of every run of the problem
+};
+
+Following following(const Problem& problem, const Fit& fit, Eigen::Index k) {
+  Following f{Values::Zero(fit.shared.size()), {}};
+  for (const Values& own : fit.own) f.own.push_back(Values::Zero(own.size()));
+  f.shared[k] = 1;
+  std::vector<RunJacobian> jacobians;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(fit.shared.size(), fit.shared.size());
+  for (const std::size_t run : fit.runs) {
+    RunJacobian j = jacobian(problem, fit, run);
+    Eigen::MatrixXd s = j.shared;
+    if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
+    information += s.transpose() * s;
+    jacobians.push_back(std::move(j));
+  }
+  if (const Eigen::Index n = fit.shared.size(); n > 1) {
+    Eigen::MatrixXd others = information;
+    others.row(k).setZero();
+    others.col(k).setZero();
+    Eigen::VectorXd coupled = information.col(k);
+    coupled[k] = 0;
+    const Values moved = -others.completeOrthogonalDecomposition().solve(coupled);
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (i != k) f.shared[i] = moved[i];
+  }
+  for (std::size_t i = 0; i < fit.runs.size(); ++i)
+    if (jacobians[i].own.cols() > 0) f.own[fit.runs[i]] = -jacobians[i].own.colPivHouseholderQr().solve(jacobians[i].shared * f.shared);
+  return f;
+}
+
 /// Distance from the fit, in the direction of `sign`, at which the profile has risen.
-double reach(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const FitOptions& options, double sign) {
+double reach(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const Following& others, const FitOptions& options,
+             double sign) {
   const auto k = static_cast<Eigen::Index>(index);
   const Parameter& p = fit.layout.shared[index];
   const double most = sign > 0 ? p.upper - fit.shared[k] : fit.shared[k] - p.lower, wanted = rise * scale * scale;
   if (!(most > 0)) return 0;
   FitOptions pinned = options;
   pinned.pinned = static_cast<int>(index);
+  pinned.iterations = iterations;
   Fit from = fit;
   double inside = 0, outside = most, inside_rise = 0, at = std::min(most, ninety * se > 0 ? ninety * se : p.step);
   bool bracketed = false;
   for (int trial = 0; trial < trials; ++trial) {
     Fit start = from;
+    const double further = fit.shared[k] + sign * at - from.shared[k];
+    start.shared += further * others.shared;
+    for (Eigen::Index i = 0; i < start.shared.size(); ++i) {
+      const Parameter& q = fit.layout.shared[static_cast<std::size_t>(i)];
+      start.shared[i] = std::clamp(start.shared[i], q.lower, q.upper);
+    }
     start.shared[k] = fit.shared[k] + sign * at;
+    for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] += further * others.own[run];
     const Fit held = minimise(problem, start, pinned);
     const double risen = held.chi2 - fit.chi2;
     if (std::abs(risen / wanted - 1) < close) return at;
@@ -59,7 +103,8 @@ double reach(const Problem& problem, const Fit& fit, std::size_t index, double s
 
 Interval profile_interval(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const FitOptions& options) {
   const double value = fit.shared[static_cast<Eigen::Index>(index)];
-  return {value - reach(problem, fit, index, se, scale, options, -1), value + reach(problem, fit, index, se, scale, options, 1)};
+  const Following others = following(problem, fit, static_cast<Eigen::Index>(index));
+  return {value - reach(problem, fit, index, se, scale, others, options, -1), value + reach(problem, fit, index, se, scale, others, options, 1)};
 }
 
 std::vector<Interval> run_bootstrap(const Problem& problem, const Fit& fit, int replicas, std::uint64_t seed) {
