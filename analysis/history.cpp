@@ -26,11 +26,19 @@ Vec3 mixed(const std::vector<Vec3>& values, const Between& b) {
   return values[b.before] + b.share * (values[b.after] - values[b.before]);
 }
 
+/// Hermite's cubic.
+Vec3 between_steps(const History& history, const BodyTrack& track, const Between& b) {
+  if (!history.smooth || b.before == b.after) return mixed(track.position, b);
+  const double s = b.share, h = history.time[b.after] - history.time[b.before], r = 1 - s;
+  return r * r * (1 + 2 * s) * track.position[b.before] + s * s * (3 - 2 * s) * track.position[b.after] +
+         h * s * r * (r * track.velocity[b.before] - s * track.velocity[b.after]);
+}
+
 }  // namespace
 
 BodySample sample(const History& history, const BodyTrack& track, double time) {
   const Between b = find(history.time, time);
-  return {mixed(track.position, b), mixed(track.velocity, b), mixed(track.spin, b),
+  return {between_steps(history, track, b), mixed(track.velocity, b), mixed(track.spin, b),
           track.orientation[b.before].slerp(b.share, track.orientation[b.after])};
 }
 

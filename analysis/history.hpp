@@ -32,6 +32,7 @@ struct History {
   Vec3 gravity = Vec3::Zero();                        ///< with any tilt [m/s^2]
   std::map<std::string, std::vector<double>> series;  ///< those asked for, at `time`
   bool converged = true;                              ///< at least 95 % of the steps
+  bool smooth = false;                                ///< between steps bodies move on cubics of their velocities at both ends
 };
 
 /// A force and a torque on one body while `from` <= t < `to`, world frame.
@@ -54,7 +55,7 @@ struct SimulationRequest {
 /// Runs a scene. May be called from several threads at once. Throws Error (Kind::simulation) if the run fails.
 using Simulate = std::function<History(const SimulationRequest&)>;
 
-/// Position, orientation and velocity of a body at any time: straight lines between steps, the start state before them,
+/// Position, orientation and velocity of a body at any time: straight lines between steps (cubics in a smooth history), the start state before them,
 /// the final state after them.
 struct BodySample {
   Vec3 position, velocity, spin;

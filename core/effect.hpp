@@ -84,6 +84,7 @@ std::string effect_name(const Effect& effect);
 /// Explicit part: `force`, `torque`. Implicit part: -damping * v+ (the velocity at the *end* of the step), so that a stiff
 /// drag is stable at any step. A backend therefore uses, with step h and the loads of this struct,
 ///   (m + h linear_damping) v+ = m v + h force + contact impulses,   and likewise for each principal axis of rotation.
+/// In Integration::second_order half of the damping acts on v.
 struct BodyLoads {
   std::vector<Vec3> force;              ///< [N] at the centre of mass, world frame; gravity included
   std::vector<Vec3> torque;             ///< [N m], world frame

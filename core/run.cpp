@@ -189,7 +189,8 @@ class Runner {
   /// One step of the world, and what it adds to the report of the whole step.
   void advance_by(double time) {
     evaluate_loads(model_, state_, loads_);
-    if (hooks_.loads) hooks_.loads(state_, loads_);
+    if (schedule_.loads_half_way) look_ahead(0.5 * time);
+    if (hooks_.loads) hooks_.loads(schedule_.loads_half_way ? ahead_ : state_, loads_);
     const StepReport part = world_.step(time, loads_);
     if (!(part.left < time)) throw Error("", "the backend did not advance", "this is a defect of the backend", Error::Kind::simulation);
     world_.read(state_);
@@ -205,6 +206,19 @@ class Runner {
     last_.contact_work += part.contact_work;
     last_.left = part.left;
     if (hooks_.stepped) hooks_.stepped(state_, world_);
+  }
+
+  /// The loads on bodies that go on for `time` under the present ones; contacts are left out.
+  void look_ahead(double time) {
+    ahead_ = state_;
+    ahead_.time += time;
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const Body& body = model_.bodies[i];
+      if (!body.dynamic) continue;
+      ahead_.position[i] += time * state_.velocity[i];
+      ahead_.velocity[i] = (body.mass * state_.velocity[i] + time * loads_.force[i]) / (body.mass + time * loads_.linear_damping[i]);
+    }
+    evaluate_loads(model_, ahead_, loads_);
   }
 
   StepRecord log_line() {
@@ -270,7 +284,7 @@ class Runner {
   bool stopped_ = false;  ///< by the `finished` hook
   std::vector<int> tracked_;  ///< bodies of Schedule::tracked, ascending
   std::vector<Contact> contacts_;
-  Snapshot state_;
+  Snapshot state_, ahead_;
   BodyLoads loads_;
   StepReport last_;
   Tally tally_;

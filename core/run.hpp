@@ -16,6 +16,7 @@ struct Schedule {
   double duration = 0;           ///< [s]; the number of steps is round(duration / h)
   double frame_interval = 0;     ///< [s]; rounded to whole steps, at least one
   double checkpoint_wall_s = 30; ///< wall-clock time between checkpoints [s]
+  bool loads_half_way = false;       ///< loads are those half a step ahead: what Integration::second_order needs
   std::string tracked = {};          ///< body or tool whose contact load is logged every step; empty: none
 };
 

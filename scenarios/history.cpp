@@ -178,9 +178,11 @@ HistoryRun run_history(const Backend& backend, const SimulationRequest& request,
     hooks.finished = [&, outlet = funnel_outlet(scene)](const Snapshot& state, const StepReport&) {
       return assess_rest(result.model, state, *site, outlet).at_rest;
     };
-  const RunReport report = run(*world, result.model, {scene.solver.time_step, duration, site ? scene.frame_interval : duration, 1e9}, nullptr, hooks);
+  const bool second_order = scene.solver.integration == Integration::second_order;
+  const RunReport report = run(*world, result.model, {scene.solver.time_step, duration, site ? scene.frame_interval : duration, 1e9, second_order}, nullptr, hooks);
   if (report.end == RunReport::End::interrupted) throw Error("", "interrupted", "", Error::Kind::simulation);
   result.history = keeper.take();
+  result.history.smooth = second_order;
   result.history.converged = report.converged_fraction >= least_converged;
   result.final_state = report.final_state;
   return result;

@@ -28,7 +28,7 @@ struct SettledBed {
 std::optional<RunReport> simulated(const Prepared& p, RunHooks hooks, const std::string& tracked = "") {
   const std::unique_ptr<World> world = p.backend->make(p.model, p.scene.solver);
   hooks.interrupted = interrupted;
-  const Schedule schedule{p.scene.solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, tracked};
+  const Schedule schedule{p.scene.solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, false, tracked};
   RunReport report = run(*world, p.model, schedule, nullptr, hooks);
   if (report.end == RunReport::End::interrupted) return std::nullopt;
   return report;

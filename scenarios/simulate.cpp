@@ -121,7 +121,7 @@ RunReport simulate(const Prepared& prepared, const Options& options, const std::
   hooks.interrupted = interrupted;
   hooks.finished = std::move(finished);
   const Schedule schedule{prepared.scene.solver.time_step, prepared.scene.duration, prepared.scene.frame_interval,
-                          options.checkpoint_wall_s, tracked};
+                          options.checkpoint_wall_s, prepared.scene.solver.integration == Integration::second_order, tracked};
   return run(*world, prepared.model, schedule, &recorder, hooks, options.resume);
 }
 

@@ -137,7 +137,8 @@ class WorldDvi final : public World {
     }
   }
 
-  /// v_free = (m v + h f) / (m + h damping), and likewise for the rotation in the principal axes.
+  /// v_free = (m v + h f) / (m + h damping), and likewise for the rotation in the principal axes; in second order
+  /// (m v + h (f - damping v / 2)) / (m + h damping / 2), but where that would swing.
   void free_velocities(double h, const BodyLoads& loads) {
     const std::size_t n = model_.bodies.size();
     rotation_.resize(n);
@@ -148,8 +149,10 @@ class WorldDvi final : public World {
     for (std::size_t i = 0; i < n; ++i) {
       rotation_[i] = orientation_[i].toRotationMatrix();
       if (!model_.bodies[i].dynamic) continue;
-      const double damped = mass_[i] + h * loads.linear_damping[i] / (units_.mass / units_.time);
-      free_velocity_[i] = (mass_[i] * velocity_[i] + h * (loads.force[i] / units_.force())) / damped;
+      const double damping = h * loads.linear_damping[i] / (units_.mass / units_.time);
+      const double ahead = second_order() && damping < mass_[i] ? 0.5 * damping : damping;  // the rest acts on the velocity before
+      const double damped = mass_[i] + ahead;
+      free_velocity_[i] = ((mass_[i] - (damping - ahead)) * velocity_[i] + h * (loads.force[i] / units_.force())) / damped;
       const double angular_damping =
           loads.angular_damping[i] / (units_.mass * units_.length * units_.length / units_.time);
       const Vec3 inverse = (inertia_[i].array() + h * angular_damping).inverse();

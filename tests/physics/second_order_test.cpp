@@ -129,6 +129,16 @@ TEST(SecondOrder, AThrownCubeConvergesFaster) {
   EXPECT_LT(ours, 0.2 * euler);
 }
 
+TEST(SecondOrder, DampingActsOnTheMeanVelocity) {
+  const double h = 0.02, rate = 3;  // 1/s
+  const double mass = 1000 * 4.0 / 3.0 * M_PI * std::pow(0.02, 3);
+  const Model model = ModelBuilder().material("m").gravity(Vec3::Zero()).effect(LinearDrag{rate * mass / (6 * M_PI * 0.02)}).sphere("m", 0.02, {.velocity = {2, 0, 0}}).build();
+  Simulation s("dvi", model, second_order(h));
+  s.run(50);
+  const double left = (1 - rate * h / 2) / (1 + rate * h / 2);
+  expect_answer({"second order, linear drag, speed after 1 s [m/s]", 2 * std::exp(-rate), s.velocity(0).x(), 1e-12, 2 * std::pow(left, 50)});
+}
+
 TEST(SecondOrder, OtherBackendsRefuseIt) {
   const Model model = ModelBuilder().material("m").sphere("m", 0.1).build();
   for (const Backend& backend : backends()) {
