@@ -100,7 +100,10 @@ std::string next_recording(const Diagnosis& d) {
 std::string when_nothing_is_missing(const Diagnosis& d) {
   const FittedHypothesis& nominal = d.models.front();
   const std::size_t n = nominal.held_out.runs.size();
-  std::string text = fmt::format("Nothing is missing: the scene explains the recordings within their noise (lack of fit p = {:.2g}). ", d.lack_of_fit_p);
+  std::string text = d.lack_of_fit_p > diagnosis::level
+                         ? fmt::format("Nothing is missing: the scene explains the recordings within their noise (lack of fit p = {:.2g}). ", d.lack_of_fit_p)
+                         : fmt::format("Nothing that could be called physics is missing: what stands out (p = {:.2g}) is smaller than what the step of another "
+                                       "simulation may do. ", d.lack_of_fit_p);
   std::vector<std::string> constants;
   for (const ParameterEstimate& p : nominal.parameters) constants.push_back(symbol_of(p.name) + " = " + value_in_words(p));
   if (!constants.empty()) text += "Calibrated from them: " + joined(constants, "and") + ". ";
@@ -124,6 +127,10 @@ std::string by_verdict(const Diagnosis& d) {
   const std::string& verdict = d.verdict.word;
   if (verdict == "none") return when_nothing_is_missing(d);
   if (verdict == "unknown" || d.best == 0) return when_nothing_explains(d);
+  const auto second_order = [](const FittedHypothesis& m) { return m.fit.layout.numerics.second_order; };
+  if (verdict == "numerics" && second_order(d.models.front()) && !second_order(d.models[d.best]))
+    return place_sentence(d, false) + "The mismatch goes away when the scene is solved with a step's errors: the recordings are those of a simulation with such a step. " +
+           worth(d);
   if (verdict == "numerics")
     return place_sentence(d, false) + "The mismatch goes away with a finer simulation (" +
            effects_in_words(d.models[d.best].hypothesis.names()) + "): the scene's numerics are at fault, not the world. " + worth(d);

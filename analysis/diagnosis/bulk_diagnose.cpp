@@ -152,6 +152,7 @@ class BulkDiagnosing {
     for (const BulkSetting& s : result_.data.settings) held = held || s.held.rows() > 0;
     std::vector<Evidence> evidence;
     const BulkModel& nominal = *models_.front();
+    const double before = excess(nominal, nominal, result_.data, result_.scatter);
     std::size_t leading = 0;
     for (std::size_t i = 0; i < models_.size(); ++i) {
       const BulkModel& m = *models_[i];
@@ -165,17 +166,16 @@ class BulkDiagnosing {
       e.train_gain = 2 * (m.posterior.best_log_likelihood - nominal.posterior.best_log_likelihood);
       const BulkCampaign::LackOfFit left = campaign_.lack_of_fit(m);
       e.lack_of_fit = left.p <= level ? std::sqrt(left.ratio) : 1;
+      e.form_parameters = e.parameters;
+      e.explained = before > 0 ? 1 - excess(m, nominal, result_.data, result_.scatter) / before : 0;
       evidence.push_back(e);
       const auto worth = [&](std::size_t j) { return models_[j]->posterior.best_log_likelihood - static_cast<double>(models_[j]->candidate.parameters.size()); };
       if (worth(i) > worth(leading)) leading = i;
     }
-    if (leading != 0) {
-      result_.remaining_p = campaign_.lack_of_fit(*models_[leading]).p;
-      const double before = excess(nominal, nominal, result_.data, result_.scatter);
-      result_.explained = before > 0 ? 1 - excess(*models_[leading], nominal, result_.data, result_.scatter) / before : 0;
-    }
-    result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, result_.explained);
+    if (leading != 0) result_.remaining_p = campaign_.lack_of_fit(*models_[leading]).p;
+    result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
+    result_.explained = evidence[result_.best].explained;
   }
 
   void compare_held_out() {

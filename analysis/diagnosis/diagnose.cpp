@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/combination.hpp"
@@ -143,6 +144,8 @@ class Diagnosing {
     model.train = score_of(problem_, model.fit);
     const Layout plain = problem_.layout({});
     model.extra_parameters = static_cast<int>(model.fit.layout.shared.size() - plain.shared.size());
+    model.form_parameters =
+        model.extra_parameters + static_cast<int>(model.fit.layout.per_run[train_.front()].size() - plain.per_run[train_.front()].size());
     const std::vector<std::size_t>& judged = held_.empty() ? train_ : held_;
     for (const std::size_t run : judged)
       model.extra_parameters += static_cast<int>(model.fit.layout.per_run[run].size() - plain.per_run[run].size());
@@ -164,11 +167,48 @@ class Diagnosing {
     }
   }
 
-  /// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes.
+  /// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes. Where some runs plainly leave more than
+  /// noise, the mean over these: one that is beyond all models (a body that the tracker lost) must not speak for the others.
   static double share_explained(const Fit& nominal, const Fit& model) {
     const auto excess = [](const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); };
+    std::vector<double> shares;
+    for (std::size_t i = 0; i < nominal.runs.size(); ++i) {
+      const auto of_run = [i](const Fit& fit) {
+        const double free = static_cast<double>(fit.residual[i].size() - fit.own[fit.runs[i]].size());
+        return std::max(0.0, fit.residual[i].squaredNorm() - free);
+      };
+      if (nominal.residual[i].size() == 0 || model.residual[i].size() == 0) continue;
+      const double before = of_run(nominal);
+      if (before > (plainly_more_than_noise - 1) * static_cast<double>(nominal.residual[i].size()))
+        shares.push_back(std::max(-1.0, 1 - of_run(model) / before));
+    }
+    if (!shares.empty()) return std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
     const double before = excess(nominal);
     return before > 0 ? 1 - excess(model) / before : 0;
+  }
+
+  /// Physics is measured against the scene as finely as it was solved with it. What fits the training runs and leaves the held-out
+  /// ones as they were has explained nothing.
+  double explained_by(std::size_t model, std::size_t finer) const {
+    const FittedHypothesis& m = result_.models[model];
+    const FittedHypothesis& plain = result_.models[model == finer || model == 0 ? 0 : finer];
+    const double fitted = share_explained(plain.fit, m.fit);
+    if (held_.empty() || m.held_fit.per_dof() <= plainly_more_than_noise) return fitted;
+    return std::min(fitted, share_explained(plain.held_fit, m.held_fit));
+  }
+
+  /// Recordings that another simulation made, with a quarter of the scene's step, may differ from ours by a quarter of the scene's
+  /// error: a mismatch of that size has no name, however significant.
+  bool within_a_step(const Fit& leading) {
+    const Fit& nominal = result_.models.front().fit;
+    double scene_error = 0;
+    for (const auto& [observable, error] : problem_.scene_error()) scene_error = std::max(scene_error, error);
+    const double size = std::sqrt(std::max(0.0, nominal.chi2 - leading.chi2) / static_cast<double>(nominal.samples));
+    if (result_.lack_of_fit_p > level || size > step_of_makers * scene_error) return false;
+    result_.notes.push_back(fmt::format("What stands out amounts to {:.2g} of the noise: a quarter of the scene's step errs by {:.2g}, so recordings of another "
+                                        "simulation may differ by that, and it is not called physics. If these are no simulation's, write "
+                                        "`integration: second_order` under `solver`.", size, step_of_makers * scene_error));
+    return true;
   }
 
   void finish(Search& search) {
@@ -184,22 +224,20 @@ class Diagnosing {
       e.per_run = m.held_out.per_run;
       e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;
       e.parameters = m.extra_parameters;
+      e.form_parameters = m.form_parameters;
+      e.explained = explained_by(i, search.base());
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
     }
     const std::size_t leading = search.best();
-    // Physics is measured against the scene as finely as it was solved with it.
-    const std::size_t base = leading == search.base() ? 0 : search.base();
-    result_.explained = share_explained(result_.models[base].fit, result_.models[leading].fit);
     result_.remaining_p = result_.lack_of_fit_p;
     if (leading != 0 && result_.lack_of_fit_p <= level && !result_.interrupted) result_.remaining_p = search.left_by(leading).p;
-    // What fits the training runs and leaves the held-out ones as they were has explained nothing.
-    if (const Fit& held = result_.models[leading].held_fit; !held_.empty() && held.per_dof() > plainly_more_than_noise) {
-      result_.explained = std::min(result_.explained, share_explained(result_.models[base].held_fit, held));
+    if (const Fit& held = result_.models[leading].held_fit; !held_.empty() && held.per_dof() > plainly_more_than_noise)
       result_.remaining_p = std::min(result_.remaining_p, 1 / (1 + static_cast<double>(options_.replicas)));
-    }
-    result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, result_.explained);
+    const bool small = search.base() == 0 && within_a_step(result_.models[leading].fit);
+    result_.verdict = judge(evidence, small ? 1 : result_.lack_of_fit_p, result_.remaining_p);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
+    result_.explained = evidence[result_.best].explained;
     FittedHypothesis& best = result_.models[result_.best];
     tell("intervals of the parameters", 0, 1);
     FittedHypothesis& nominal = result_.models.front();

@@ -41,6 +41,7 @@ struct FittedHypothesis {
   double scale = 1;         ///< of the residuals on the training runs, in units of the noise, at least 1
   Score train, held_out;
   int extra_parameters = 0; ///< beyond the nominal's
+  int form_parameters = 0;  ///< of them, those that shape one run
   std::vector<ParameterEstimate> parameters;
 };
 

@@ -219,6 +219,11 @@ Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std
   return fit;
 }
 
+Fit evaluated(const Problem& problem, Fit fit) {
+  evaluate(problem, fit);
+  return fit;
+}
+
 Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options) { return solve(problem, start, options, false); }
 
 Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options) {

@@ -29,6 +29,9 @@ struct FitOptions {
 /// The start values of a layout.
 Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std::size_t>& runs);
 
+/// The fit with residuals and chi^2 of the values that it has.
+Fit evaluated(const Problem& problem, Fit fit);
+
 /// Minimises chi^2 = sum of squared whitened residuals from `start` (Levenberg-Marquardt of Ceres within the bounds, derivatives by
 /// differences; logarithmic parameters in ln). Never ends worse than it began; a start where a simulation fails is handed back.
 Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options);

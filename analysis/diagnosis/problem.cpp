@@ -17,8 +17,6 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
-// Recordings may themselves be simulated, by a maker who took a finer step than the scene's but no exact one.
-constexpr double step_of_makers = 0.25;
 constexpr double largest_residual = 1e6;  // of the noise
 
 /// A constant that nobody measured: bounds of the effect that has its key.
@@ -185,7 +183,9 @@ void Problem::add_numerics() {
   for (const auto& [name, error] : ours) {
     const auto scene = scene_error_.find(name);
     const double maker = scene == scene_error_.end() ? 0 : step_of_makers * std::min(scene->second, largest_numerics);
-    noise_[name].sd *= std::hypot(1.0, std::min(error, largest_numerics), maker);
+    const double larger = std::hypot(1.0, std::min(error, largest_numerics), maker);
+    noise_[name].sd *= larger;
+    if (scene != scene_error_.end()) scene->second /= larger;
   }
   for (RunData& data : runs_)
     for (Channel& c : data.channels)

@@ -16,6 +16,9 @@
 
 namespace repose::diagnosis {
 
+/// Of the scene's step: recordings may themselves be simulated, by a maker who took a finer step but no exact one.
+inline constexpr double step_of_makers = 0.25;
+
 /// What is compared of one run.
 struct RunData {
   const BundleRun* run = nullptr;
@@ -76,8 +79,8 @@ class Problem {
   const std::map<std::string, NoiseModel>& noise() const { return noise_; }
   /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given.
   const Numerics& numerics() const { return numerics_; }
-  /// What the scene's own way to solve it is wrong by, beyond what start values imitate: by observable, in units of the sensor's
-  /// noise, rms of the run in the middle. Empty where second order is not to be had.
+  /// What the scene's own way to solve it is wrong by, beyond what start values imitate: by observable, in units of noise(), rms of
+  /// the run in the middle. Empty where second order is not to be had.
   const std::map<std::string, double>& scene_error() const { return scene_error_; }
 
  private:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
 #include <mutex>
 
 #include "analysis/diagnosis/side_by_side.hpp"
@@ -12,6 +14,8 @@ namespace {
 
 constexpr int profile_points = 10;
 constexpr int short_fit = 4;              // iterations that tell which candidates deserve more
+constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
+constexpr double promising = 1.2;         // times the chi^2 to beat, after a short fit
 constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3;
@@ -20,6 +24,9 @@ constexpr double coarse_scene = 3;        // of the noise, rms: a step that errs
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
 double worth(const Fit& fit) { return fit.chi2 + 2 * fit.parameters; }
+
+/// Of chi^2 beyond what noise alone gives.
+double excess(const Fit& fit) { return fit.chi2 - static_cast<double>(fit.samples - fit.parameters); }
 
 bool holds(const Hypothesis& hypothesis, const Term& term) {
   return std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return t.row == term.row && t.place == term.place; });
@@ -91,14 +98,16 @@ void Search::calibrate() {
   compare_as_given();
 }
 
-/// Where the scene's own way to solve it is wrong by more than a small multiple of the noise, the nominal is the scene as given, and
-/// what it is measured against, as `time_step`, the scene in second order.
+/// Where the scene's own way to solve it is wrong by more than a small multiple of the noise, and that is the larger part of the
+/// mismatch, the nominal is the scene as given, and what it is measured against, as `time_step`, the scene in second order.
 void Search::compare_as_given() {
   if (!problem_.numerics().second_order || stopped()) return;
   Fit given = fits_.front();
   given.layout.numerics = {};
   given = improved(given);
-  if (!std::isfinite(given.chi2) || !(given.chi2 - fits_.front().chi2 > coarse_scene * coarse_scene * static_cast<double>(given.samples))) return;
+  if (!std::isfinite(given.chi2)) return;
+  const double gain = given.chi2 - fits_.front().chi2;
+  if (gain < coarse_scene * coarse_scene * static_cast<double>(given.samples) || gain < 0.5 * excess(given)) return;
   Fit finer = std::move(fits_.front());
   finer.layout.hypothesis.terms = {{find_effect("time_step"), ""}};
   fits_ = {std::move(given), std::move(finer)};
@@ -244,20 +253,40 @@ void Search::fit_pairs() {
     if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
 }
 
-/// Does the mismatch go away with a finer step, with a tenth of the tolerance, or with the other contact law?
+/// Does the mismatch go away with another step, with a tenth of the tolerance, or with the other contact law?
 void Search::fit_numerics() {
-  Numerics finer_step = fits_.front().layout.numerics, finer_tolerance = finer_step, other_law = finer_step;
-  finer_step.step_factor = 0.25;
-  finer_tolerance.tolerance_factor = 0.1;
-  other_law.other_law = true;
-  for (const auto& [name, numerics] : {std::pair{"time_step", finer_step}, {"solver_tolerance", finer_tolerance}, {"engine_law", other_law}}) {
-    Fit start = fits_.front();
-    start.layout.hypothesis.terms = {{find_effect(name), ""}};
-    if (known(start.layout.hypothesis)) continue;
-    tell("another way to solve it", 0, 1);
-    start.layout.numerics = numerics;
-    keep(improved(start));
+  const Numerics own = fits_.front().layout.numerics;
+  const auto varied = [&](const auto& change) {
+    Numerics numerics = own;
+    change(numerics);
+    return numerics;
+  };
+  std::vector<Numerics> steps{varied([](Numerics& n) { n.step_factor = 0.25; })};
+  // Recordings that were simulated bear the step of their maker, whatever engine it was: one that is stepped as the scene says.
+  if (own.second_order) {
+    steps.push_back({});
+    steps.push_back({});
+    steps.back().step_factor = 0.25;
   }
+  fit_numerics("time_step", steps);
+  fit_numerics("solver_tolerance", {varied([](Numerics& n) { n.tolerance_factor = 0.1; })});
+  fit_numerics("engine_law", {varied([](Numerics& n) { n.other_law = true; })});
+}
+
+void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
+  Hypothesis hypothesis{{{find_effect(name), ""}}};
+  if (known(hypothesis)) return;
+  Fit best;
+  best.chi2 = std::numeric_limits<double>::infinity();
+  for (const Numerics& numerics : ways) {
+    if (stopped()) return;
+    tell("another way to solve it", 0, 1);
+    Fit fit = fits_.front();
+    fit.layout.hypothesis = hypothesis;
+    fit.layout.numerics = numerics;
+    if (fit = improved(fit); fit.chi2 < best.chi2) best = std::move(fit);
+  }
+  keep(std::move(best));
 }
 
 /// The finer solution becomes the base where it removes more than a little of what the nominal leaves. Another contact law is no
@@ -265,8 +294,7 @@ void Search::fit_numerics() {
 void Search::choose_base() {
   base_ = 0;
   const Fit& nominal = fits_.front();
-  const double excess = nominal.chi2 - static_cast<double>(nominal.samples - nominal.parameters);
-  double least = std::max(gain_of_numerics, share_of_numerics * excess);
+  double least = std::max(gain_of_numerics, share_of_numerics * excess(nominal));
   for (std::size_t m = 1; m < fits_.size(); ++m) {
     const Hypothesis& h = fits_[m].layout.hypothesis;
     if (h.terms.size() != 1 || !without_numerics(h).terms.empty() || fits_[m].layout.numerics.other_law) continue;
@@ -276,20 +304,35 @@ void Search::choose_base() {
   }
 }
 
-/// Step 3, the other way: the nominal begun where each candidate ended. If that gains, all fits are begun again from there.
+/// A short fit, and to the end only what thereby comes below `wanted`, or close to it.
+Fit Search::improved_if_promising(const Fit& start, double wanted) const {
+  FitOptions options = fit_options_;
+  options.iterations = short_fit;
+  Fit begun = minimise(problem_, start, options);
+  return begun.chi2 < promising * wanted ? improved(begun) : begun;
+}
+
+/// Step 3, the other way: the nominal begun where candidates ended, those first that it fits best as they are. If that gains, all
+/// fits are begun again from there.
 bool Search::guard() {
   bool gained = false;
   std::vector<std::size_t> plain{0};
   if (base_ != 0) plain.push_back(base_);
   for (const std::size_t n : plain) {
     const Fit before = fits_[n];
+    std::vector<Fit> starts;
     for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
       if (m == n) continue;
-      tell("the nominal scene from where candidates ended", static_cast<double>(m), static_cast<double>(fits_.size()));
       Fit start = before;
       start.shared = fits_[m].shared.head(before.shared.size());
       for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] = fits_[m].own[run].head(before.own[run].size());
-      if (Fit again = improved(start); again.chi2 < fits_[n].chi2) fits_[n] = std::move(again);
+      starts.push_back(evaluated(problem_, std::move(start)));
+    }
+    std::stable_sort(starts.begin(), starts.end(), [](const Fit& a, const Fit& b) { return a.chi2 < b.chi2; });
+    if (starts.size() > guard_starts) starts.resize(guard_starts);
+    for (std::size_t i = 0; i < starts.size() && !stopped(); ++i) {
+      tell("the nominal scene from where candidates ended", static_cast<double>(i), static_cast<double>(starts.size()));
+      if (Fit again = improved_if_promising(starts[i], fits_[n].chi2); again.chi2 < fits_[n].chi2) fits_[n] = std::move(again);
     }
     // Less than this changes no verdict.
     gained = gained || fits_[n].chi2 < before.chi2 - std::max(gains_to_matter, 1e-3 * before.chi2);
@@ -299,10 +342,11 @@ bool Search::guard() {
   const Fit& nominal = fits_[base_];
   for (std::size_t m = 1; m < fits_.size() && !stopped(); ++m) {
     if (m == base_) continue;
+    tell("candidates from where the nominal scene ended", static_cast<double>(m), static_cast<double>(fits_.size()));
     Fit start = fits_[m];
     start.shared.head(nominal.shared.size()) = nominal.shared;
     for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run].head(nominal.own[run].size()) = nominal.own[run];
-    if (Fit again = improved(start); again.chi2 < fits_[m].chi2) fits_[m] = std::move(again);
+    if (Fit again = improved_if_promising(start, fits_[m].chi2); again.chi2 < fits_[m].chi2) fits_[m] = std::move(again);
   }
   return true;
 }

@@ -63,12 +63,14 @@ class Search {
   std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms);
   Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;
   Fit improved(const Fit& fit) const;
+  Fit improved_if_promising(const Fit& start, double wanted) const;
   void keep(Fit fit);
   bool known(const Hypothesis& hypothesis) const;
   void choose_base();
   void fit_singles();
   void fit_pairs();
   void fit_numerics();
+  void fit_numerics(const char* name, const std::vector<Numerics>& ways);
   bool guard();
 
   const Problem& problem_;

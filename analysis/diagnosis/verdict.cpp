@@ -49,9 +49,27 @@ void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t b
   }
 }
 
+/// A flexible effect imitates much of anything: what plainly leaves more than noise must have halved the rest with each parameter.
+bool explains_enough(const Evidence& e) {
+  if (e.effects.empty() || e.explained < least_explained) return false;
+  const bool plain = e.lack_of_fit * e.lack_of_fit > plainly_more_than_noise;
+  return !plain || 1 - e.explained <= std::pow(1 - least_explained, std::max(1, e.form_parameters));
+}
+
+/// The best of those that explain enough; 0 if there is none. Those that do not are put behind it: they are no rivals.
+std::size_t best_that_explains(const std::vector<Evidence>& evidence, std::vector<double>& score) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < evidence.size(); ++i)
+    if (explains_enough(evidence[i]) && score[i] > score[0] && (best == 0 || score[i] > score[best])) best = i;
+  if (best != 0)
+    for (std::size_t i = 1; i < evidence.size(); ++i)
+      if (!explains_enough(evidence[i])) score[i] = std::min(score[i], score[best] - 2 * indistinguishable_within);
+  return best;
+}
+
 }  // namespace
 
-Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, double explained) {
+Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p) {
   Verdict verdict;
   const bool fits = lack_of_fit_p > level;
   std::vector<double> score;
@@ -71,7 +89,13 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   count_runs_not_samples(evidence, static_cast<std::size_t>(verdict.best), score);
   // Without a lack of fit nothing is missing: at best the prior odds of the level are against it.
   if (fits) verdict.best = 0;
-  const bool unknown = !fits && (verdict.best == 0 || (remaining_p <= level && explained < least_explained));
+  bool unknown = !fits && verdict.best == 0;
+  if (!fits && remaining_p <= level && !explains_enough(evidence[static_cast<std::size_t>(verdict.best)])) {
+    const std::size_t named = best_that_explains(evidence, score);
+    unknown = named == 0;
+    if (!unknown) verdict.best = static_cast<int>(named);
+  }
+  const double explained = evidence[static_cast<std::size_t>(verdict.best)].explained;
 
   const double top = *std::max_element(score.begin(), score.end());
   double total = 0;

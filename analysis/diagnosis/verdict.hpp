@@ -15,7 +15,9 @@ struct Evidence {
   std::vector<double> per_run;        ///< the same, run by run
   double train_gain = 0;              ///< over the nominal: twice the log likelihood ratio
   int parameters = 0;                 ///< beyond the nominal's
+  int form_parameters = 0;            ///< that shape one run: those of a single run counted once
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
+  double explained = 0;               ///< share of the nominal's excess chi^2 that it removes
 };
 
 struct Ranked {
@@ -36,7 +38,8 @@ struct Verdict {
 inline constexpr double cost_of_parameter = 1.0, cost_of_effect = 2.0;
 /// Candidates closer than this to the best [nats, after the tempering of judge()] cannot be told apart.
 inline constexpr double indistinguishable_within = 3.0;
-/// Below this share of what was left over, the best candidate has not explained it.
+/// Below this share of what was left over, the best candidate has not explained it; where what it leaves is plainly more than noise,
+/// each of its parameters must have explained as much of what the ones before it had left.
 inline constexpr double least_explained = 0.5;
 inline constexpr double level = 0.01;  ///< of the lack of fit
 /// chi^2 per degree of freedom from which what a model leaves is systematic: its samples are no longer independent, its runs are.
@@ -46,7 +49,8 @@ inline constexpr double plainly_more_than_noise = 2;
 /// of twice the noise has a quarter of the evidence). Where the best leaves plainly more than noise, the odds against a rival of the
 /// same size that explains at least half as much, on training and held-out runs, are no longer than a paired t test over runs bears
 /// out, p : 1 - p. Nested models are no rivals. `lack_of_fit_p` above `level`: none, whatever fits better by chance.
-/// `remaining_p`: lack of fit of the best model; `explained`: share of the nominal's excess chi^2 that it removes.
-Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, double explained);
+/// `remaining_p`: lack of fit of the best model. If it is not above `level` and the best has explained too little, the best of those that
+/// have explained enough is named in its place: part of what is missing; if there is none, `unknown`.
+Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p);
 
 }  // namespace repose::diagnosis

@@ -215,8 +215,9 @@ TEST(Problem, SolvesToSecondOrderAndAllowsForTheStepOfWhoeverMadeTheRecordings) 
     products += t * error;
     count += 3;
   }
-  EXPECT_NEAR(problem.scene_error().at("position"), std::sqrt((squares - products * products / start_squares) / count), 1e-6);
-  EXPECT_NEAR(problem.noise().at("position").sd, 0.001 * std::hypot(1, 0.25 * problem.scene_error().at("position")), 1e-9);
+  const double error = std::sqrt((squares - products * products / start_squares) / count);
+  EXPECT_NEAR(problem.noise().at("position").sd, 0.001 * std::hypot(1, 0.25 * error), 1e-8);
+  EXPECT_NEAR(problem.scene_error().at("position"), error / std::hypot(1, 0.25 * error), 1e-5);
 }
 
 TEST(Problem, StaysWithTheScenesOwnWayWhereTheBackendHasNoOther) {

@@ -7,13 +7,15 @@
 namespace repose::diagnosis {
 namespace {
 
-Evidence model(const std::vector<std::string>& effects, double held_out, double scale = 1) {
+Evidence model(const std::vector<std::string>& effects, double held_out, double scale = 1, double explained = 0.99) {
   Evidence e;
   e.effects = effects;
   for (const std::string& name : effects) e.sites.push_back(find_effect(name)->site);
   e.held_out = held_out;
   e.parameters = static_cast<int>(effects.size());
+  e.form_parameters = e.parameters;
   e.lack_of_fit = scale;
+  e.explained = effects.empty() ? 0 : explained;
   return e;
 }
 
@@ -33,7 +35,7 @@ void expect_sums_to_one(const Verdict& v) {
 }
 
 TEST(Verdict, NamesWhatTheHeldOutRunsSpeakFor) {
-  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -150, 1.3)}, 0.002, 0.5, 0.99);
+  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -150, 1.3)}, 0.002, 0.5);
   EXPECT_EQ(v.word, "missing");
   EXPECT_EQ(v.best, 1);
   EXPECT_GT(probability(v, {"quadratic_drag"}), 0.95);
@@ -42,7 +44,7 @@ TEST(Verdict, NamesWhatTheHeldOutRunsSpeakFor) {
 }
 
 TEST(Verdict, IsNoneWithoutALackOfFitWhateverFitsBetter) {
-  const Verdict v = judge({model({}, -110), model({"quadratic_drag"}, -100)}, 0.3, 1, 0);
+  const Verdict v = judge({model({}, -110), model({"quadratic_drag"}, -100)}, 0.3, 1);
   EXPECT_EQ(v.word, "none");
   EXPECT_EQ(v.best, 0);
   EXPECT_GT(probability(v, {}), 0.9);
@@ -50,31 +52,55 @@ TEST(Verdict, IsNoneWithoutALackOfFitWhateverFitsBetter) {
 }
 
 TEST(Verdict, IsUnknownWhereNothingExplainsTheMismatch) {
-  const Verdict nothing = judge({model({}, -500, 3), model({"quadratic_drag"}, -510, 3)}, 0.002, 0.002, 0.1);
+  const Verdict nothing = judge({model({}, -500, 3), model({"quadratic_drag"}, -510, 3, 0.1)}, 0.002, 0.002);
   EXPECT_EQ(nothing.word, "unknown");
   EXPECT_GT(probability(nothing, {"unknown"}), 0.8);
-  const Verdict little = judge({model({}, -500, 3), model({"quadratic_drag"}, -400, 2.7)}, 0.002, 0.002, 0.3);
+  const Verdict little = judge({model({}, -500, 3), model({"quadratic_drag"}, -400, 2.7, 0.3)}, 0.002, 0.002);
   EXPECT_EQ(little.word, "unknown");
   expect_sums_to_one(little);
 }
 
+TEST(Verdict, AFlexibleEffectThatLeavesPlainlyMoreThanNoiseHasExplainedNothing) {
+  const auto periodic = [](double scale, double explained) {
+    Evidence e = model({"periodic_force"}, -100, scale, explained);
+    e.form_parameters = 5;
+    return e;
+  };
+  const Evidence nominal = model({}, -500, 3);
+  EXPECT_EQ(judge({nominal, periodic(2, 0.9)}, 0.002, 0.002).word, "unknown");
+  EXPECT_EQ(judge({nominal, periodic(2, 0.98)}, 0.002, 0.002).word, "missing");   // 1/2^5 left
+  EXPECT_EQ(judge({nominal, periodic(1.2, 0.9)}, 0.002, 0.002).word, "missing");  // nearly noise
+  EXPECT_EQ(judge({nominal, model({"quadratic_drag"}, -100, 2, 0.9)}, 0.002, 0.002).word, "missing");
+}
+
+TEST(Verdict, NamesThePartThatIsExplainedWhereThePairIsNot) {
+  Evidence pair = model({"friction", "contact_compliance"}, -200, 4, 0.78);
+  pair.form_parameters = 3;
+  const Verdict v = judge({model({}, -1000, 8), model({"friction"}, -400, 5, 0.6), pair, model({"inertia"}, -700, 7, 0.2)}, 0.002, 0.002);
+  EXPECT_EQ(v.word, "missing");
+  EXPECT_EQ(v.best, 1);
+  EXPECT_EQ(v.ranked.front().effects, std::vector<std::string>{"friction"});
+  EXPECT_GT(probability(v, {"unknown"}), 0.2);
+  expect_sums_to_one(v);
+}
+
 TEST(Verdict, IsAmbiguousBetweenRivals) {
-  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -101)}, 0.002, 0.5, 0.99);
+  const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -101)}, 0.002, 0.5);
   EXPECT_EQ(v.word, "ambiguous");
   ASSERT_EQ(v.indistinguishable.size(), 1u);
   EXPECT_EQ(v.indistinguishable[0], (std::vector<std::string>{"quadratic_drag", "linear_drag"}));
   // A pair that holds the best is no rival of it.
-  EXPECT_EQ(judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "linear_drag"}, -97)}, 0.002, 0.5, 0.99).word,
+  EXPECT_EQ(judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "linear_drag"}, -97)}, 0.002, 0.5).word,
             "missing");
   // One that does without it is.
-  EXPECT_EQ(judge({model({}, -500, 3), model({"finite_reynolds_drag"}, -100), model({"quadratic_drag", "sensor_bias"}, -97)}, 0.002, 0.5, 0.99).word,
+  EXPECT_EQ(judge({model({}, -500, 3), model({"finite_reynolds_drag"}, -100), model({"quadratic_drag", "sensor_bias"}, -97)}, 0.002, 0.5).word,
             "ambiguous");
 }
 
 TEST(Verdict, ClassesHaveTheNearestThree) {
   const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -100.3), model({"magnus"}, -100.2),
                            model({"buoyancy"}, -100.1)},
-                          0.002, 0.5, 0.99);
+                          0.002, 0.5);
   ASSERT_EQ(v.indistinguishable.size(), 1u);
   EXPECT_EQ(v.indistinguishable[0], (std::vector<std::string>{"quadratic_drag", "buoyancy", "magnus"}));
 }
@@ -93,7 +119,7 @@ TEST(Verdict, CountsRunsNotSamplesWhereTheBestLeavesMoreThanNoise) {
   const auto verdict = [&](double scale, double gain_of_linear, const std::vector<double>& of_linear) {
     return judge({over_runs({}, nothing, 20, 0), over_runs({"quadratic_drag"}, quadratic, scale, 1000),
                   over_runs({"linear_drag"}, of_linear, scale, gain_of_linear)},
-                 0.002, 0.002, 0.95);
+                 0.002, 0.002);
   };
   const Verdict open = verdict(5, 950, linear);
   EXPECT_EQ(open.word, "ambiguous");
@@ -110,15 +136,15 @@ TEST(Verdict, CountsRunsNotSamplesWhereTheBestLeavesMoreThanNoise) {
 }
 
 TEST(Verdict, OfMeasurementOrNumericsAlone) {
-  EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale"}, -100)}, 0.002, 0.5, 0.99).word, "measurement");
-  EXPECT_EQ(judge({model({}, -500, 3), model({"time_step"}, -100)}, 0.002, 0.5, 0.99).word, "numerics");
-  EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale", "quadratic_drag"}, -100)}, 0.002, 0.5, 0.99).word, "missing");
+  EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale"}, -100)}, 0.002, 0.5).word, "measurement");
+  EXPECT_EQ(judge({model({}, -500, 3), model({"time_step"}, -100)}, 0.002, 0.5).word, "numerics");
+  EXPECT_EQ(judge({model({}, -500, 3), model({"length_scale", "quadratic_drag"}, -100)}, 0.002, 0.5).word, "missing");
 }
 
 TEST(Verdict, AnEffectMoreMustEarnItsCost) {
-  const Verdict dear = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "magnus"}, -99)}, 0.002, 0.5, 0.99);
+  const Verdict dear = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "magnus"}, -99)}, 0.002, 0.5);
   EXPECT_EQ(dear.best, 1);
-  const Verdict earned = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "magnus"}, -90)}, 0.002, 0.5, 0.99);
+  const Verdict earned = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"quadratic_drag", "magnus"}, -90)}, 0.002, 0.5);
   EXPECT_EQ(earned.best, 2);
 }
 
