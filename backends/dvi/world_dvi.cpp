@@ -5,12 +5,12 @@
 
 #include "backends/dvi/cone_solver.hpp"
 #include "backends/dvi/contact_finder.hpp"
-#include "backends/dvi/world_dvi_laws.hpp"
 #include "backends/dvi/impact.hpp"
-#include "backends/dvi/last_impulses.hpp"
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/touch.hpp"
 #include "backends/dvi/units.hpp"
+#include "backends/dvi/world_dvi_impulses.hpp"
+#include "backends/dvi/world_dvi_laws.hpp"
 #include "core/error.hpp"
 
 namespace repose::dvi {

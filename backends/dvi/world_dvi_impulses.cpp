@@ -1,4 +1,4 @@
-#include "backends/dvi/last_impulses.hpp"
+#include "backends/dvi/world_dvi_impulses.hpp"
 
 #include <algorithm>
 #include <unordered_map>
