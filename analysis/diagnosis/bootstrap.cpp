@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "analysis/bundle/sensor.hpp"
+#include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/recorded_noise.hpp"
 #include "core/random.hpp"
 
@@ -78,7 +79,11 @@ NullDistribution bootstrap(const Problem& problem, const Fit& nominal, const Sim
     const Bundle bundle = replica_of(problem, nominal, options.seed, static_cast<std::uint64_t>(b));
     std::vector<std::size_t> runs(bundle.runs.size());
     std::iota(runs.begin(), runs.end(), std::size_t{0});
-    const Problem again(bundle, runs, simulate);
+    Problem again(bundle, runs, simulate);
+    FitOptions fit;
+    fit.threads = options.threads;
+    fit.interrupted = options.interrupted;
+    follow_further(again, fit);
     Search search(again, runs, quiet);
     search.run_nominal();
     null.largest.push_back(search.lack_of_fit().deviate);

@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/combination.hpp"
+#include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/split.hpp"
 #include "core/error.hpp"
 
@@ -33,6 +34,7 @@ class Diagnosing {
     result_.noise = problem_.noise();
     fit_options_.threads = options.threads;
     fit_options_.interrupted = options.interrupted;
+    follow_further(problem_, fit_options_);
     note_horizons(bundle);
     note_scene_error();
   }

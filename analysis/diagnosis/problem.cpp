@@ -90,7 +90,8 @@ void Problem::add_run(std::size_t index) {
   for (const auto& [name, model] : noise_) noise[name] = model.sd;
   data.start = start_values(*data.run, data.tree, noise);
   for (const Observation& o : data.run->observations)
-    if (!o.time.empty()) data.horizon = std::max(data.horizon, o.time.back());
+    if (!o.time.empty()) data.recorded = std::max(data.recorded, o.time.back());
+  data.horizon = data.recorded;
   set_up_channels(data);
   if (data.size == 0)
     throw Error("run " + data.run->id, "holds nothing that a few-body simulation can be compared with",
@@ -133,22 +134,31 @@ void Problem::set_up_channels(RunData& data) const {
   data.fingerprint = fingerprint(data);
 }
 
-void Problem::find_horizon(std::size_t run) {
+void Problem::follow(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) {
   RunData& data = runs_[run];
-  const auto k = static_cast<Eigen::Index>(data.start.size());
-  if (k == 0) return;
-  const Layout nominal = layout({});
-  const Values shared = starts(nominal.shared), own = starts(data.start);
-  Values spread(k);
-  for (Eigen::Index i = 0; i < k; ++i) spread[i] = 2 * data.start[static_cast<std::size_t>(i)].step;
-  // Where the response to the uncertainty of the start is no longer a straight line, a fit has nothing to hold on to.
-  const Eigen::VectorXd middle = plain_residual(nominal, run, shared, own);
+  const double before = std::min(data.horizon, data.recorded);
+  for (std::size_t i = 0; i < data.start.size(); ++i) data.start[i].start = own[static_cast<Eigen::Index>(i)];
+  data.horizon = data.recorded;
+  set_up_channels(data);
+  const double horizon = std::max(before, linear_until(run, own, spread));
+  if (horizon >= data.horizon) return;
+  data.horizon = horizon;
+  set_up_channels(data);
+}
+
+/// Where the response to the uncertainty of the start is no longer a straight line, a fit has nothing to hold on to.
+double Problem::linear_until(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) const {
+  const RunData& data = runs_[run];
+  const Eigen::Index k = spread.cols();
   double horizon = data.horizon;
-  for (int trial = 0; trial < 4; ++trial) {
+  const Layout nominal = layout({});
+  const Values shared = starts(nominal.shared);
+  const Eigen::VectorXd middle = plain_residual(nominal, run, shared, own);
+  for (int trial = 0; trial < 4 && k > 0; ++trial) {
     Values signs(k);
     for (Eigen::Index i = 0; i < k; ++i) signs[i] = ((trial >> (i % 2)) + (i / 2) * trial) % 2 == 0 ? 1 : -1;
-    const Eigen::VectorXd up = plain_residual(nominal, run, shared, own + signs.cwiseProduct(spread));
-    const Eigen::VectorXd down = plain_residual(nominal, run, shared, own - signs.cwiseProduct(spread));
+    const Values change = spread * signs;
+    const Eigen::VectorXd up = plain_residual(nominal, run, shared, own + change), down = plain_residual(nominal, run, shared, own - change);
     if (middle.size() == 0 || up.size() == 0 || down.size() == 0) continue;
     for (const Channel& c : data.channels) {
       int bent_for = 0;
@@ -163,16 +173,19 @@ void Problem::find_horizon(std::size_t run) {
       }
     }
   }
-  if (horizon < data.horizon) {
-    data.horizon = horizon;
-    set_up_channels(data);
-  }
+  return horizon;
 }
 
 void Problem::choose_numerics() {
   numerics_.second_order = true;
   if (parting(numerics_, numerics_).empty()) numerics_ = {};
-  for (std::size_t run = 0; run < runs_.size(); ++run) find_horizon(run);
+  for (std::size_t run = 0; run < runs_.size(); ++run) {
+    const std::vector<Parameter>& start = runs_[run].start;
+    Values twice(static_cast<Eigen::Index>(start.size()));
+    for (std::size_t i = 0; i < start.size(); ++i) twice[static_cast<Eigen::Index>(i)] = 2 * start[i].step;
+    runs_[run].horizon = 0;
+    follow(run, starts(start), twice.asDiagonal());
+  }
 }
 
 void Problem::add_numerics() {

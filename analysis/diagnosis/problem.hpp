@@ -25,6 +25,7 @@ struct RunData {
   YamlNode tree;                    ///< the nominal scene with the run's own settings
   std::vector<Parameter> start;     ///< free start values, begun from the data
   std::vector<Channel> channels;
+  double recorded = 0;              ///< [s]: the last sample
   double horizon = 0;               ///< [s]: later samples are left out, for noise in the start grows beyond use
   Eigen::Index size = 0;
   std::uint64_t fingerprint = 0;    ///< of the recorded numbers
@@ -71,6 +72,10 @@ class Problem {
   /// The nominal scene with the terms and shared parameters of a fit, as YAML: no run's own settings.
   YamlNode extended_scene(const Layout& layout, const Values& shared) const;
 
+  /// Begins the run's start values at `own` and follows it for as long as changes of them by the columns of `spread`, with any signs,
+  /// act linearly; never for less than before. Changes what the run is compared with: only before anything is fitted.
+  void follow(std::size_t run, const Values& own, const Eigen::MatrixXd& spread);
+
   std::size_t simulations() const { return simulations_; }
   /// As residual(), not whitened.
   Eigen::VectorXd plain_residual(const Layout& layout, std::size_t run, const Values& shared, const Values& own,
@@ -86,7 +91,7 @@ class Problem {
  private:
   void add_run(std::size_t index);
   void set_up_channels(RunData& data) const;
-  void find_horizon(std::size_t run);
+  double linear_until(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) const;
   YamlNode solved_by(YamlNode tree, const Layout& layout) const;
   void choose_numerics();
   /// Adds to the noise (in squares) what the step may be wrong by: it must not pass for physics.
