@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/problem.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
@@ -231,6 +232,24 @@ TEST(Problem, StaysWithTheScenesOwnWayWhereTheBackendHasNoOther) {
   Values own(3);
   own << 3, 0, 2;
   EXPECT_EQ(problem.residual(problem.layout({}), 0, Values(0), own).size(), problem.runs()[0].size);
+}
+
+TEST(Horizon, ReachesFurtherOnceStartValuesAreFitted) {
+  // From 0.3 s on the path has a kink in the start's velocity, as an impact has that comes earlier or later.
+  const Bundle bundle = flights({});
+  const Simulate kinked = [](const SimulationRequest& request) {
+    History history = fly(request);
+    const double off = std::abs(request.scene->bodies[0].velocity.z() - 2);
+    for (std::size_t i = 0; i < history.time.size(); ++i) history.bodies["ball"].position[i].z() += 10 * off * std::max(0.0, history.time[i] - 0.3);
+    return history;
+  };
+  Problem problem(bundle, {0}, kinked);
+  const double before = problem.runs()[0].horizon;
+  EXPECT_GE(before, 0.3);
+  ASSERT_LT(before, 0.5);
+  follow_further(problem, {});
+  EXPECT_GT(problem.runs()[0].horizon, 1.05 * before);
+  EXPECT_NEAR(problem.runs()[0].start[2].start, 2, 0.01);
 }
 
 TEST(Problem, AFailedSimulationIsNoPointAtAll) {
