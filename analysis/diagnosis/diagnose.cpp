@@ -214,11 +214,13 @@ class Diagnosing {
   }
 
   void finish(Search& search) {
-    std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
       tell("runs that were held out", static_cast<double>(i), static_cast<double>(result_.models.size()));
-      FittedHypothesis& m = result_.models[i];
-      weigh(m);
+      weigh(result_.models[i]);
+    }
+    std::vector<Evidence> evidence;
+    for (std::size_t i = 0; i < result_.models.size(); ++i) {
+      const FittedHypothesis& m = result_.models[i];
       Evidence e;
       e.effects = m.hypothesis.names();
       for (const Term& term : m.hypothesis.terms) e.sites.push_back(term.row->site);

@@ -258,13 +258,16 @@ RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run) {
   return {columns(true), columns(false)};
 }
 
+Eigen::MatrixXd shared_alone(const RunJacobian& jacobian) {
+  if (jacobian.own.cols() == 0) return jacobian.shared;
+  return jacobian.shared - jacobian.own * jacobian.own.colPivHouseholderQr().solve(jacobian.shared);
+}
+
 Eigen::MatrixXd information_of(const Problem& problem, const Fit& fit) {
   const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
   for (const std::size_t run : fit.runs) {
-    const RunJacobian j = jacobian(problem, fit, run);
-    Eigen::MatrixXd s = j.shared;
-    if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
+    const Eigen::MatrixXd s = shared_alone(jacobian(problem, fit, run));
     information += s.transpose() * s;
   }
   return information;

@@ -45,6 +45,9 @@ struct RunJacobian {
 };
 RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run);
 
+/// What the shared parameters do to a run beyond what its own values imitate.
+Eigen::MatrixXd shared_alone(const RunJacobian& jacobian);
+
 /// J^T J of the shared parameters at the fit, without what the values of each run can imitate.
 Eigen::MatrixXd information_of(const Problem& problem, const Fit& fit);
 

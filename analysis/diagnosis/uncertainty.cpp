@@ -35,8 +35,7 @@ Following following(const Problem& problem, const Fit& fit, Eigen::Index k) {
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(fit.shared.size(), fit.shared.size());
   for (const std::size_t run : fit.runs) {
     RunJacobian j = jacobian(problem, fit, run);
-    Eigen::MatrixXd s = j.shared;
-    if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
+    const Eigen::MatrixXd s = shared_alone(j);
     information += s.transpose() * s;
     jacobians.push_back(std::move(j));
   }
@@ -113,9 +112,7 @@ std::vector<Interval> run_bootstrap(const Problem& problem, const Fit& fit, int 
   std::vector<Eigen::MatrixXd> information;
   std::vector<Eigen::VectorXd> slope;
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
-    const RunJacobian j = jacobian(problem, fit, fit.runs[i]);
-    Eigen::MatrixXd s = j.shared;
-    if (j.own.cols() > 0) s -= j.own * j.own.colPivHouseholderQr().solve(j.shared);
+    const Eigen::MatrixXd s = shared_alone(jacobian(problem, fit, fit.runs[i]));
     information.push_back(s.transpose() * s);
     slope.push_back(s.transpose() * fit.residual[i]);
   }
