@@ -41,11 +41,20 @@ std::string place_sentence(const Diagnosis& d, bool by_a_force) {
                      phase_in_words(l.segment), force.empty() ? "simulation and recording part" : force);
 }
 
+/// " instead of the 0.3 that the scene states", where the effect contradicts the scene.
+std::string as_stated(const FittedHypothesis& model, const std::string& effect) {
+  std::vector<std::string> values;
+  for (const Term& term : model.hypothesis.terms)
+    for (std::size_t i = 0; i < term.stated.size() && term.row->name == effect; ++i)
+      if (!term.row->parameters[i].held) values.push_back(three(term.stated[i]));
+  return values.empty() ? "" : " instead of the " + joined(values, "and") + " that the scene states";
+}
+
 /// "ρ = 0.100 ± 0.010, force = ...".
 std::string values_of(const FittedHypothesis& model, const std::string& effect) {
   std::vector<std::string> values;
   for (const ParameterEstimate& p : parameters_of(model, effect)) values.push_back(symbol_of(p.name) + " = " + value_in_words(p));
-  return joined(values, "and");
+  return joined(values, "and") + as_stated(model, effect);
 }
 
 /// "Rolling friction explains it: ρ = 0.10 ± 0.01."

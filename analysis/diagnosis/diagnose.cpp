@@ -169,6 +169,20 @@ class Diagnosing {
     }
   }
 
+  /// What would do as well as the best if the scene's own word were not worth more.
+  void note_stated(const std::vector<Evidence>& evidence) {
+    const Evidence& best = evidence[result_.best];
+    for (std::size_t i = 1; i < evidence.size(); ++i) {
+      const FittedHypothesis& m = result_.models[i];
+      if (i == result_.best || result_.best == 0 || evidence[i].stated == 0 || best.stated > 0 || m.hypothesis.terms.size() > 1) continue;
+      const double cost = cost_of_parameter * (evidence[i].parameters - best.parameters) + cost_of_effect * (1 - static_cast<double>(best.effects.size()));
+      if (evidence[i].held_out - best.held_out - cost < -indistinguishable_within) continue;
+      const Parameter& p = m.fit.layout.shared.back();
+      result_.notes.push_back(fmt::format("{} = {:.4g} would explain the recordings as well, if the {:.4g} that the scene states is not to be trusted.", p.key,
+                                          m.fit.shared[m.fit.shared.size() - 1], p.null));
+    }
+  }
+
   /// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes. Where some runs plainly leave more than
   /// noise, the mean over these: one that is beyond all models (a body that the tracker lost) must not speak for the others.
   static double share_explained(const Fit& nominal, const Fit& model) {
@@ -229,6 +243,7 @@ class Diagnosing {
       e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;
       e.parameters = m.extra_parameters;
       e.form_parameters = m.form_parameters;
+      e.stated = stated_in(m.hypothesis);
       e.explained = explained_by(i, search.base());
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
@@ -242,6 +257,7 @@ class Diagnosing {
     result_.verdict = judge(evidence, small ? 1 : result_.lack_of_fit_p, result_.remaining_p);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
     result_.explained = evidence[result_.best].explained;
+    note_stated(evidence);
     FittedHypothesis& best = result_.models[result_.best];
     tell("intervals of the parameters", 0, 1);
     FittedHypothesis& nominal = result_.models.front();

@@ -83,10 +83,15 @@ std::string Hypothesis::label() const {
   return text.empty() ? "nominal" : text;
 }
 
+int stated_in(const Hypothesis& hypothesis) {
+  return static_cast<int>(std::count_if(hypothesis.terms.begin(), hypothesis.terms.end(), [](const Term& term) { return !term.stated.empty(); }));
+}
+
 TermParameters parameters_of(const Term& term, const NaturalScale& scale, const std::vector<Observation>& observations) {
   if (term.row->site == EffectSite::measurement) return of_measurement(*term.row, scale, observations);
   TermParameters result;
-  for (const EffectParameter& p : term.row->parameters) {
+  for (std::size_t n = 0; n < term.row->parameters.size(); ++n) {
+    const EffectParameter& p = term.row->parameters[n];
     if (p.held || p.key.empty()) continue;
     const EffectBounds bounds = bounds_of(p, scale);
     for (int k = 0; k < p.components; ++k) {
@@ -99,6 +104,7 @@ TermParameters parameters_of(const Term& term, const NaturalScale& scale, const 
       q.upper = bounds.upper;
       q.null = bounds.nominal;
       q.start = first_value(p, bounds);
+      if (!term.stated.empty()) q.null = q.start = term.stated[n];
       q.step = differencing_step(p, bounds, q.start);
       q.logarithmic = p.log_scaled;
       result.shared.push_back(q);
@@ -109,7 +115,7 @@ TermParameters parameters_of(const Term& term, const NaturalScale& scale, const 
 
 void put_terms(YamlNode& tree, const Hypothesis& hypothesis, const NaturalScale& scale) {
   for (const Term& term : hypothesis.terms) {
-    if (term.row->site == EffectSite::measurement || term.row->site == EffectSite::numerics) continue;
+    if (term.row->site == EffectSite::measurement || term.row->site == EffectSite::numerics || !term.stated.empty()) continue;
     std::vector<std::vector<double>> values;
     for (const EffectParameter& p : term.row->parameters)
       values.emplace_back(static_cast<std::size_t>(p.components), first_value(p, bounds_of(p, scale)));
@@ -148,6 +154,40 @@ std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::stri
         }
       }
       terms.push_back(term);
+    }
+  }
+  return terms;
+}
+
+std::vector<Term> stated_terms(const Bundle& bundle, const NaturalScale& scale) {
+  std::vector<Term> terms;
+  const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  const auto free_or_per_run = [&](const std::string& key) {
+    const auto touches = [&](const std::string& other) { return key == other || key.starts_with(other + "."); };
+    return std::any_of(bundle.calibrate.begin(), bundle.calibrate.end(), touches) ||
+           std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
+             return std::any_of(run.set.begin(), run.set.end(), [&](const Override& o) { return touches(o.path); });
+           });
+  };
+  for (const EffectRow& row : effect_library()) {
+    if (row.site == EffectSite::numerics || row.name == "wall_friction") continue;
+    std::vector<std::string> places = places_of(row, bundle.scene);
+    if (places.empty()) places.emplace_back();
+    for (const std::string& place : places) {
+      if (place.empty() && !row.keys.empty() && row.keys.front().find("*") != std::string::npos) continue;
+      Term term{&row, place};
+      bool given = false, plain = true;
+      for (const EffectParameter& p : row.parameters) {
+        const YamlNode* node = p.key.empty() ? nullptr : node_at(tree, key_at(p, place));
+        const bool number = node != nullptr && node->kind == YamlNode::Kind::scalar;
+        plain = plain && !p.key.empty() && p.components == 1 && (node == nullptr || number) && !free_or_per_run(key_at(p, place));
+        const EffectBounds bounds = bounds_of(p, scale);
+        double value = first_value(p, bounds);
+        if (number) value = std::clamp(parse_quantity(node->text, p.dimension), bounds.lower, bounds.upper);
+        given = given || (number && !p.held && value != bounds.nominal);
+        term.stated.push_back(value);
+      }
+      if (given && plain) terms.push_back(term);
     }
   }
   return terms;

@@ -9,10 +9,12 @@
 
 namespace repose::diagnosis {
 
-/// One effect of the library, with the pair of materials where it acts (empty if it has no place).
+/// One effect of the library, with the pair of materials where it acts (empty if it has no place). Either the scene lacks it, or the
+/// scene states its values and these may be wrong.
 struct Term {
   const EffectRow* row = nullptr;
   std::string place;
+  std::vector<double> stated = {};  ///< by the scene, one for each parameter of the row; empty: the scene lacks the effect
 };
 
 /// Sorted terms; none: the nominal scene.
@@ -21,6 +23,9 @@ struct Hypothesis {
   std::vector<std::string> names() const;
   std::string label() const;  ///< "rolling_friction (ball-floor) + time_offset"; "nominal"
 };
+
+/// Terms that contradict the scene instead of adding to it.
+int stated_in(const Hypothesis& hypothesis);
 
 /// One number that a fit turns.
 struct Parameter {
@@ -52,7 +57,11 @@ TermParameters parameters_of(const Term& term, const NaturalScale& scale, const 
 /// `calibrated` keys are free already, so that they explain nothing new.
 std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::string>& calibrated, const NaturalScale& scale);
 
-/// Sets the terms' keys in a scene tree to their nominal or start values; parameters are set over these.
+/// The constants that the scene states without having them calibrated: contact laws and effects of plain numbers. What a run sets
+/// for itself is not among them, for no one value could take its place.
+std::vector<Term> stated_terms(const Bundle& bundle, const NaturalScale& scale);
+
+/// Sets the terms' keys in a scene tree to their nominal or start values; parameters are set over these. What the scene states stays.
 void put_terms(YamlNode& tree, const Hypothesis& hypothesis, const NaturalScale& scale);
 
 }  // namespace repose::diagnosis

@@ -17,6 +17,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
+constexpr double periods_seen = 1.5;     // in the longest recording, of what is called periodic
 constexpr double largest_residual = 1e6;  // of the noise
 
 /// A constant that nobody measured: bounds of the effect that has its key.
@@ -250,6 +251,15 @@ Eigen::VectorXd Problem::beyond_start_values(const Layout& layout, std::size_t r
   return of;
 }
 
+/// What did not come again within a recording was not seen to be periodic: a push that passes is imitated by a part of a wave.
+void Problem::see_periods(Parameter& frequency) const {
+  if (!frequency.key.ends_with(".frequency")) return;
+  double longest = 0;
+  for (const RunData& data : runs_) longest = std::max(longest, data.horizon);
+  if (longest > 0) frequency.lower = std::min(frequency.upper, std::max(frequency.lower, periods_seen / longest));
+  frequency.start = std::max(frequency.start, frequency.lower);
+}
+
 Layout Problem::layout(const Hypothesis& hypothesis) const {
   Layout result;
   result.hypothesis = hypothesis;
@@ -257,7 +267,8 @@ Layout Problem::layout(const Hypothesis& hypothesis) const {
   result.shared = calibrated_;
   for (const RunData& data : runs_) result.per_run.push_back(data.start);
   for (const Term& term : hypothesis.terms) {
-    const TermParameters shared = parameters_of(term, scale_, {});
+    TermParameters shared = parameters_of(term, scale_, {});
+    for (Parameter& p : shared.shared) see_periods(p);
     result.shared.insert(result.shared.end(), shared.shared.begin(), shared.shared.end());
     for (std::size_t i = 0; i < runs_.size(); ++i) {
       const TermParameters own = parameters_of(term, scale_, runs_[i].run->observations);

@@ -90,6 +90,7 @@ class Problem {
 
  private:
   void add_run(std::size_t index);
+  void see_periods(Parameter& frequency) const;
   void set_up_channels(RunData& data) const;
   double linear_until(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) const;
   YamlNode solved_by(YamlNode tree, const Layout& layout) const;

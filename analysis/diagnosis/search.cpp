@@ -14,6 +14,7 @@ namespace {
 
 constexpr int profile_points = 10;
 constexpr int short_fit = 4;              // iterations that tell which candidates deserve more
+constexpr std::size_t stated_fits = 2;    // constants of the scene that are fitted to the end
 constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
 constexpr double promising = 1.2;         // times the chi^2 to beat, after a short fit
 constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
@@ -64,6 +65,7 @@ void Search::run() {
     choose_base();
     const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
     if (!stopped() && !numerics_suffice) fit_singles();
+    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_stated();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
     if (stopped() || !guard()) return;
     left_.clear();
@@ -113,13 +115,15 @@ void Search::compare_as_given() {
   fits_ = {std::move(given), std::move(finer)};
 }
 
+bool Search::wanted(const Term& term) const {
+  const std::vector<std::string>& only = options_.candidates;
+  return only.empty() || std::find(only.begin(), only.end(), term.row->name) != only.end();
+}
+
 /// Steps 4 and 5 about any fit.
 LackOfFit Search::judge(const Fit& fit) {
   LackOfFit lack;
   const Nuisance nuisance(problem_, fit);
-  const auto wanted = [&only = options_.candidates](const Term& term) {
-    return only.empty() || std::find(only.begin(), only.end(), term.row->name) != only.end();
-  };
   std::vector<Term> terms;
   for (const Term& term : possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale()))
     if (!holds(fit.layout.hypothesis, term) && wanted(term)) terms.push_back(term);
@@ -210,6 +214,22 @@ void Search::fit_singles() {
   }
 }
 
+/// Constants that the scene states may be wrong, too. They are no reason for an alarm, and cost more (verdict.hpp).
+void Search::fit_stated() {
+  const Fit base = fits_[base_];
+  std::vector<Term> terms = stated_terms(problem_.bundle(), problem_.scale());
+  std::erase_if(terms, [&](const Term& term) { return !wanted(term) || known({{term}}); });
+  if (terms.empty()) return;
+  std::vector<Fit> begun;
+  for (const Screened& s : screen_about(base, Nuisance(problem_, base), terms)) {
+    if (s.probes.empty() || stopped()) continue;
+    tell("trying another value of " + s.term.row->name, static_cast<double>(begun.size()), static_cast<double>(terms.size()));
+    begun.push_back(extended(base, {&s}, short_fit));
+  }
+  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  for (std::size_t i = 0; i < std::min<std::size_t>(stated_fits, begun.size()) && !stopped(); ++i) keep(improved(begun[i]));
+}
+
 const LackOfFit& Search::left_by(std::size_t fit) {
   if (fit == 0) return lack_;
   const std::string label = fits_[fit].layout.hypothesis.label();
@@ -232,8 +252,10 @@ void Search::fit_pairs() {
     tell("trying " + pair.label(), static_cast<double>(begun.size()), static_cast<double>((bases_of_pairs + 1) * pairs_each));
     begun.push_back(extended(base, terms, short_fit));
   };
-  for (std::size_t n = 0; n < std::min(bases_of_pairs, order.size()) && !stopped(); ++n) {
+  std::size_t missing = 0;  // bases that are no stated constants: these take no one's place
+  for (std::size_t n = 0; n < order.size() && missing < bases_of_pairs && !stopped(); ++n) {
     const Fit base = fits_[order[n]];
+    if (stated_in(base.layout.hypothesis) == 0) ++missing;
     const LackOfFit& left = left_by(order[n]);
     std::size_t tried = 0;
     for (const Screened& s : left.screened) {

@@ -67,7 +67,9 @@ class Search {
   void keep(Fit fit);
   bool known(const Hypothesis& hypothesis) const;
   void choose_base();
+  bool wanted(const Term& term) const;
   void fit_singles();
+  void fit_stated();
   void fit_pairs();
   void fit_numerics();
   void fit_numerics(const char* name, const std::vector<Numerics>& ways);

@@ -45,13 +45,13 @@ void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t b
     const Evidence& rival = evidence[i];
     if (i == best || rival.effects.size() != leader.effects.size() || rival.train_gain < least_explained * leader.train_gain) continue;
     if (held_out_gain(rival) < least_explained * held_out_gain(leader)) continue;
-    score[i] = std::max(score[i], score[best] + log_odds_by_runs(leader, rival));
+    score[i] = std::max(score[i], score[best] + log_odds_by_runs(leader, rival) - cost_of_stated * std::max(0, rival.stated - leader.stated));
   }
 }
 
 /// A flexible effect imitates much of anything: what plainly leaves more than noise must have halved the rest with each parameter.
 bool explains_enough(const Evidence& e) {
-  if (e.effects.empty() || e.explained < least_explained) return false;
+  if (e.effects.empty() || e.explained < (e.stated > 0 ? least_explained_by_stated : least_explained)) return false;
   const bool plain = e.lack_of_fit * e.lack_of_fit > plainly_more_than_noise;
   return !plain || 1 - e.explained <= std::pow(1 - least_explained, std::max(1, e.form_parameters));
 }
@@ -75,7 +75,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   std::vector<double> score;
   const auto worth = [&](const Evidence& e, double temper) {
     return (e.held_out - evidence[0].held_out) / temper - cost_of_parameter * e.parameters -
-           cost_of_effect * static_cast<double>(e.effects.size());
+           cost_of_effect * static_cast<double>(e.effects.size()) - cost_of_stated * e.stated;
   };
   const auto temper_of = [&](const Evidence& e) { return std::max(1.0, e.lack_of_fit * e.lack_of_fit); };
   double temper = 1;

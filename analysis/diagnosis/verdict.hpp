@@ -16,6 +16,7 @@ struct Evidence {
   double train_gain = 0;              ///< over the nominal: twice the log likelihood ratio
   int parameters = 0;                 ///< beyond the nominal's
   int form_parameters = 0;            ///< that shape one run: those of a single run counted once
+  int stated = 0;                     ///< effects that contradict a constant of the scene
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
   double explained = 0;               ///< share of the nominal's excess chi^2 that it removes
 };
@@ -36,6 +37,9 @@ struct Verdict {
 
 /// Nats that one more parameter costs, and one more effect.
 inline constexpr double cost_of_parameter = 1.0, cost_of_effect = 2.0;
+/// Nats that it costs, besides, to say that a constant which the scene states is wrong: whoever wrote it had a reason. And the share of what was left
+/// over that it must explain.
+inline constexpr double cost_of_stated = 5.0, least_explained_by_stated = 0.9;
 /// Candidates closer than this to the best [nats, after the tempering of judge()] cannot be told apart.
 inline constexpr double indistinguishable_within = 3.0;
 /// Below this share of what was left over, the best candidate has not explained it; where what it leaves is plainly more than noise,

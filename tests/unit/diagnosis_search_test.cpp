@@ -80,6 +80,26 @@ TEST(Screening, AnEffectThatDoesNothingHasNoProbe) {
   EXPECT_TRUE(screen(problem, fit, nuisance, {find_effect("rolling_friction"), "foam-stone"}, 10).probes.empty());
 }
 
+TEST(Hypothesis, FreesWhatTheSceneStates) {
+  Bundle bundle = flights({.nominal = "{quadratic_drag: {coefficient: 0.3, fluid_density: 1}, gravity_tilt: {x_deg: 2}}"});
+  const NaturalScale scale = natural_scale(realise(bundle.scene, 1));
+  const auto labels = [&] {
+    std::vector<std::string> names;
+    for (const Term& t : stated_terms(bundle, scale)) names.push_back(Hypothesis{{t}}.label());
+    return names;
+  };
+  EXPECT_EQ(labels(), (std::vector<std::string>{"quadratic_drag", "gravity_tilt", "friction (foam-stone)"}));
+  const std::vector<Parameter> tilt = parameters_of(stated_terms(bundle, scale)[1], scale, {}).shared;
+  ASSERT_EQ(tilt.size(), 2u);
+  EXPECT_EQ(tilt[0].null, 2);
+  EXPECT_EQ(tilt[0].start, 2);
+  EXPECT_EQ(tilt[1].null, 0);
+  // What is calibrated is free already; what a run sets has no one value.
+  bundle.calibrate = {"effects.quadratic_drag.coefficient"};
+  bundle.runs[0].set.push_back({"pairs.foam-stone", "{friction: 0.4}"});
+  EXPECT_EQ(labels(), std::vector<std::string>{"gravity_tilt"});
+}
+
 TEST(Screening, SurvivesPointsThatCannotBeSimulated) {
   const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
   const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) {

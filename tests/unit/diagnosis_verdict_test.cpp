@@ -84,6 +84,22 @@ TEST(Verdict, NamesThePartThatIsExplainedWhereThePairIsNot) {
   expect_sums_to_one(v);
 }
 
+TEST(Verdict, AConstantThatTheSceneStatesIsWrongOnlyWhereThatIsPlainlyBetter) {
+  Evidence stated = model({"friction"}, -100);
+  stated.stated = 1;
+  // As good as what the scene lacks: the scene is believed, and the two are no class.
+  const Verdict believed = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), stated}, 0.002, 0.5);
+  EXPECT_EQ(believed.word, "missing");
+  EXPECT_EQ(believed.best, 1);
+  // Ten nats better: it is not.
+  stated.held_out = -90;
+  EXPECT_EQ(judge({model({}, -500, 3), model({"quadratic_drag"}, -100), stated}, 0.002, 0.5).best, 2);
+  // A half of the mismatch is not enough to contradict the scene.
+  stated.explained = 0.6;
+  stated.lack_of_fit = 2;
+  EXPECT_EQ(judge({model({}, -500, 3), stated}, 0.002, 0.002).word, "unknown");
+}
+
 TEST(Verdict, IsAmbiguousBetweenRivals) {
   const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -101)}, 0.002, 0.5);
   EXPECT_EQ(v.word, "ambiguous");

@@ -54,6 +54,18 @@ Bundle recorded_by(const Simulate& engine, const Flights& f, const std::function
   return bundle;
 }
 
+TEST(Diagnosis, ContradictsAConstantOfTheSceneWhereNothingElseExplains) {
+  Flights f = six(1, drag);
+  f.nominal = "{quadratic_drag: {coefficient: 0.3, fluid_density: 1.2}, linear_drag: {viscosity: 1.8e-5}}";
+  f.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}, linear_drag: {viscosity: 1.8e-5}}";
+  const Diagnosis d = diagnose(flights(f), fly, quick());
+  const FittedHypothesis& best = d.models[d.best];
+  ASSERT_EQ(best.hypothesis.names(), std::vector<std::string>{"quadratic_drag"}) << best.hypothesis.label();
+  ASSERT_EQ(best.parameters.size(), 1u);
+  EXPECT_NEAR(best.parameters[0].value, 0.47, 0.02);
+  EXPECT_NE(d.extended_scene.find("fluid_density: 1.2"), std::string::npos) << d.extended_scene;
+}
+
 TEST(Diagnosis, FindsDragNamesItAndProvesItOnRunsThatWereNotUsed) {
   const Bundle bundle = flights(six(1, drag));
   const Diagnosis d = diagnose(bundle, fly, quick());
