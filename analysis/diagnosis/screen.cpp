@@ -199,6 +199,17 @@ std::vector<Probe> probes_of(const std::vector<Screened>& screened) {
   return probes;
 }
 
+double reached_beside(const Nuisance& first, const Screened& second) {
+  double gain = 0;
+  for (const Probe& probe : second.probes) {
+    Probe beside{first.left_of(probe.basis), probe.one_sided};
+    if (beside.basis.cols() == 0) continue;
+    if (beside.one_sided && beside.basis.col(0).dot(probe.basis.col(0)) < 0) beside.basis = -beside.basis;
+    gain = std::max(gain, gain_of(beside, first.residual()));
+  }
+  return first.left_of_vector(first.residual()).squaredNorm() - gain;
+}
+
 std::vector<ScreenedPair> screen_pairs(const std::vector<Screened>& screened, const Eigen::VectorXd& residual, double least) {
   const Eigen::VectorXd& r = residual;
   std::vector<ScreenedPair> pairs;

@@ -28,6 +28,10 @@ Screened screen(const Problem& problem, const Fit& nominal, const Nuisance& nuis
 /// All probes of a list.
 std::vector<Probe> probes_of(const std::vector<Screened>& screened);
 
+/// A second effect beside a fitted first one, whose nuisance this is, without a simulation: the smallest chi^2 to which a direction of
+/// its screening leads if residuals change along straight lines. What the first effect and the start values imitate counts for nothing.
+double reached_beside(const Nuisance& first, const Screened& second);
+
 /// Two effects that may cancel: the pairs of terms whose best two probes together gain most, best first, each at least
 /// `least` more than the better of the two alone.
 struct ScreenedPair {

@@ -19,7 +19,7 @@ constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
 constexpr double promising = 1.2;         // times the chi^2 to beat, after a short fit
 constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
-constexpr std::size_t bases_of_pairs = 2, pairs_each = 3;
+constexpr std::size_t bases_of_pairs = 2, pairs_each = 3, pairs_foreseen = 6;
 constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
 constexpr double coarse_scene = 3;        // of the noise, rms: a step that errs by less is none that anyone would blame
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
@@ -31,6 +31,13 @@ double excess(const Fit& fit) { return fit.chi2 - static_cast<double>(fit.sample
 
 bool holds(const Hypothesis& hypothesis, const Term& term) {
   return std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return t.row == term.row && t.place == term.place; });
+}
+
+bool same_as_one_of(const std::vector<Fit>& fits, const Hypothesis& hypothesis) {
+  return std::any_of(fits.begin(), fits.end(), [&](const Fit& fit) {
+    return fit.layout.hypothesis.terms.size() == hypothesis.terms.size() &&
+           std::all_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return holds(fit.layout.hypothesis, t); });
+  });
 }
 
 /// What is solved more finely is no effect of the world: hypotheses that extend it name only their own.
@@ -183,13 +190,7 @@ Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms,
 /// To the end together, and then each run by itself: one that is stuck behind an impact holds the others back no longer.
 Fit Search::improved(const Fit& fit) const { return minimise_own(problem_, minimise(problem_, fit, fit_options_), train_, fit_options_); }
 
-bool Search::known(const Hypothesis& hypothesis) const {
-  const auto same = [&](const Fit& fit) {
-    return fit.layout.hypothesis.terms.size() == hypothesis.terms.size() &&
-           std::all_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return holds(fit.layout.hypothesis, t); });
-  };
-  return std::any_of(fits_.begin(), fits_.end(), same);
-}
+bool Search::known(const Hypothesis& hypothesis) const { return same_as_one_of(fits_, hypothesis); }
 
 void Search::keep(Fit fit) {
   if (std::isfinite(fit.chi2)) fits_.push_back(std::move(fit));
@@ -237,6 +238,25 @@ const LackOfFit& Search::left_by(std::size_t fit) {
   return found != left_.end() ? found->second : left_.emplace(label, judge(fits_[fit])).first->second;
 }
 
+/// Beside every single that was fitted, however little it explains alone: a wrong ruler outweighs what two right effects leave.
+std::vector<std::pair<std::size_t, std::size_t>> Search::foresee_pairs(const std::vector<std::size_t>& singles, const std::vector<Screened>& screened) {
+  struct Foreseen {
+    double reached;
+    std::size_t first, second;
+  };
+  std::vector<Foreseen> all;
+  for (const std::size_t first : singles) {
+    const Nuisance nuisance(problem_, fits_[first]);
+    for (std::size_t second = 0; second < screened.size() && !stopped(); ++second)
+      if (!screened[second].probes.empty() && screened[second].term.row != fits_[first].layout.hypothesis.terms.front().row)
+        all.push_back({reached_beside(nuisance, screened[second]), first, second});
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Foreseen& a, const Foreseen& b) { return a.reached < b.reached; });
+  std::vector<std::pair<std::size_t, std::size_t>> best;
+  for (std::size_t i = 0; i < std::min(pairs_foreseen, all.size()); ++i) best.emplace_back(all[i].first, all[i].second);
+  return best;
+}
+
 /// Second terms beside the best singles, while what these leave is more than noise; and pairs that help only together.
 void Search::fit_pairs() {
   std::vector<std::size_t> order;
@@ -248,8 +268,8 @@ void Search::fit_pairs() {
   const auto try_pair = [&](const Fit& base, const std::vector<const Screened*>& terms) {
     Hypothesis pair = without_numerics(base.layout.hypothesis);
     for (const Screened* s : terms) pair.terms.push_back(s->term);
-    if (known(pair) || stopped()) return;
-    tell("trying " + pair.label(), static_cast<double>(begun.size()), static_cast<double>((bases_of_pairs + 1) * pairs_each));
+    if (same_as_one_of(begun, pair) || known(pair) || stopped()) return;
+    tell("trying " + pair.label(), static_cast<double>(begun.size()), static_cast<double>((bases_of_pairs + 1) * pairs_each + pairs_foreseen));
     begun.push_back(extended(base, terms, short_fit));
   };
   std::size_t missing = 0;  // bases that are no stated constants: these take no one's place
@@ -265,8 +285,9 @@ void Search::fit_pairs() {
       ++tried;
     }
   }
-  const Nuisance nuisance(problem_, fits_[base_]);
   const std::vector<Screened>& screened = left_by(base_).screened;
+  for (const auto& [first, second] : foresee_pairs(order, screened)) try_pair(fits_[first], {&screened[second]});
+  const Nuisance nuisance(problem_, fits_[base_]);
   const std::vector<ScreenedPair> together = screen_pairs(screened, nuisance.residual(), pair_gain);
   for (std::size_t i = 0; i < std::min(pairs_each, together.size()); ++i)
     try_pair(fits_[base_], {&screened[together[i].first], &screened[together[i].second]});
