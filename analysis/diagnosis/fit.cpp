@@ -98,6 +98,31 @@ class RunCost final : public ceres::CostFunction {
   Coordinates shared_, own_;
 };
 
+/// Keeps start values that a run hardly determines (a push into the floor on which a ball lies) near what was read off the data. It is no
+/// part of chi^2.
+class Prior final : public ceres::CostFunction {
+ public:
+  explicit Prior(const std::vector<Parameter>& parameters) : own_(parameters) {
+    set_num_residuals(static_cast<int>(parameters.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
+  }
+
+  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
+    const std::size_t n = own_.parameters.size();
+    if (jacobians != nullptr && jacobians[0] != nullptr) std::fill(jacobians[0], jacobians[0] + n * n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Parameter& p = own_.parameters[i];
+      const double slope = p.prior_sd > 0 ? own_.unit(i) / p.prior_sd : 0;
+      residuals[i] = slope * (blocks[0][i] - own_.to(i, p.start));
+      if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][i * n + i] = slope;
+    }
+    return true;
+  }
+
+ private:
+  Coordinates own_;
+};
+
 class Stop final : public ceres::IterationCallback {
  public:
   explicit Stop(const std::function<bool()>& interrupted) : interrupted_(interrupted) {}
@@ -167,7 +192,9 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
     if (blocks.empty()) continue;
     any = true;
     least_squares.AddResidualBlock(new RunCost(problem, best.layout, run), nullptr, blocks);
-    if (!own[run].empty()) bound(own[run].data(), Coordinates(best.layout.per_run[run]));
+    if (own[run].empty()) continue;
+    bound(own[run].data(), Coordinates(best.layout.per_run[run]));
+    least_squares.AddResidualBlock(new Prior(best.layout.per_run[run]), nullptr, own[run].data());
   }
   if (any && !s.empty()) {
     bound(s.data(), shared);

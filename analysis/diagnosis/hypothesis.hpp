@@ -43,6 +43,7 @@ struct Parameter {
   double start = 0;
   double null = 0;      ///< where it does nothing
   double step = 1e-6;   ///< for finite differences
+  double prior_sd = 0;  ///< of a weak prior about `start`, for what a run does not determine; 0: none
   bool logarithmic = false;
 };
 

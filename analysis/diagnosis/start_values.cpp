@@ -14,6 +14,9 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr int early_samples = 10;
+// Of the weak prior: so many standard errors of the noise, or, for an impact bends the path that is read as a parabola, this share of the fastest
+// that was seen.
+constexpr double prior_errors = 30, prior_share = 0.3;
 
 /// Value and slope at time 0 of a parabola through the first samples; their standard errors for unit noise.
 struct Early {
@@ -42,7 +45,16 @@ Early early(const std::vector<double>& time, const std::vector<double>& value) {
 struct Seen {
   Early position[3], turn[3];
   std::optional<Quat> orientation;
+  double speed = 0, spin = 0;  ///< the fastest from one sample to the next
 };
+
+double fastest(const std::vector<double>& time, const std::vector<double>& value) {
+  double rate = 0;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    if (time[i] > time[i - 1] && std::isfinite(value[i]) && std::isfinite(value[i - 1]))
+      rate = std::max(rate, std::abs(value[i] - value[i - 1]) / (time[i] - time[i - 1]));
+  return rate;
+}
 
 Seen look_at(const Observation& o) {
   Seen seen;
@@ -50,6 +62,7 @@ Seen look_at(const Observation& o) {
     std::vector<double> x;
     for (const Vec3& p : o.position) x.push_back(p[k]);
     seen.position[k] = early(o.time, x);
+    seen.speed = std::max(seen.speed, fastest(o.time, x));
   }
   const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
   if (first == o.orientation.end()) return seen;
@@ -58,6 +71,7 @@ Seen look_at(const Observation& o) {
   for (int k = 0; k < 3; ++k) {
     seen.turn[k] = early(o.time, turns[static_cast<std::size_t>(k)]);
     at_zero[k] = seen.turn[k].value;
+    seen.spin = std::max(seen.spin, fastest(o.time, turns[static_cast<std::size_t>(k)]));
   }
   seen.orientation = rotation_of(at_zero) * *first;
   return seen;
@@ -100,13 +114,14 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
     for (const Observation& o : run.observations)
       if (o.kind == ObservableKind::trajectory && o.body == body.name) observed = &o;
     const Seen seen = observed != nullptr ? look_at(*observed) : Seen{};
-    const auto add = [&](const std::string& what, Parameter::Use use, int k, double start, double uncertainty) {
+    const auto add = [&](const std::string& what, Parameter::Use use, int k, double start, double uncertainty, double fastest_seen = 0) {
       Parameter p;
       p.use = use;
       p.key = "bodies." + body.name + "." + what;
       p.component = k;
       p.start = p.null = start;
       p.step = 0.5 * uncertainty;
+      if (observed != nullptr) p.prior_sd = std::max(prior_errors * uncertainty, prior_share * fastest_seen);
       result.push_back(p);
     };
     for (const std::string& key : run.free) {
@@ -117,10 +132,10 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
         const Early& x = seen.position[k];
         const Early& turn = seen.turn[k];
         if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, sd("position") * x.value_se);
-        if (is("velocity") && x.seen) add("velocity", Parameter::Use::scene, k, x.slope, sd("position") * x.slope_se);
+        if (is("velocity") && x.seen) add("velocity", Parameter::Use::scene, k, x.slope, sd("position") * x.slope_se, seen.speed);
         if (is("orientation") && seen.orientation) add("orientation", Parameter::Use::turn, k, 0, sd("orientation") * turn.value_se);
         if (is("angular_velocity") && seen.orientation)
-          add("angular_velocity", Parameter::Use::scene, k, turn.slope, sd("orientation") * turn.slope_se);
+          add("angular_velocity", Parameter::Use::scene, k, turn.slope, sd("orientation") * turn.slope_se, seen.spin);
         // Seen through a series only: from where the scene starts.
         if (is("velocity") && observed == nullptr) add("velocity", Parameter::Use::scene, k, body.velocity[k], 0.02);
       }
