@@ -44,6 +44,7 @@ struct Coordinates {
 };
 
 constexpr double nudge = 0.1;  // in units of Coordinates
+constexpr double first_radius = 100;  // of Ceres' 1e4: contacts bend the residuals, and each step that is taken back is one of few
 
 class RunCost final : public ceres::CostFunction {
  public:
@@ -210,6 +211,7 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
   o.max_num_iterations = options.iterations;
   o.num_threads = std::clamp(options.threads, 1, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
   o.linear_solver_type = ceres::DENSE_QR;
+  o.initial_trust_region_radius = first_radius;
   o.function_tolerance = 1e-5;
   o.max_num_line_search_step_size_iterations = 0;  // bounds are kept by projection: a search costs as much as several steps
   o.logging_type = ceres::SILENT;
