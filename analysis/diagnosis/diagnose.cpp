@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/combination.hpp"
+#include "analysis/diagnosis/held_out.hpp"
 #include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/split.hpp"
 #include "core/error.hpp"
@@ -151,12 +152,16 @@ class Diagnosing {
     const std::vector<std::size_t>& judged = held_.empty() ? train_ : held_;
     for (const std::size_t run : judged)
       model.extra_parameters += static_cast<int>(model.fit.layout.per_run[run].size() - plain.per_run[run].size());
-    if (held_.empty()) {
-      model.held_out = model.train;
-    } else {
-      model.held_fit = minimise_own(problem_, model.fit, held_, fit_options_);
-      model.held_out = score_of(problem_, model.held_fit);
-    }
+    model.held_out = held_.empty() ? model.train : score_of(problem_, model.held_fit);
+  }
+
+  void fit_held_out() {
+    if (held_.empty()) return;
+    std::vector<const Fit*> trained;
+    for (const FittedHypothesis& model : result_.models) trained.push_back(&model.fit);
+    const auto told = [&](std::size_t done) { tell("runs that were held out", static_cast<double>(done), static_cast<double>(trained.size())); };
+    std::vector<Fit> fits = held_out_fits(problem_, trained, held_, fit_options_, told);
+    for (std::size_t i = 0; i < fits.size(); ++i) result_.models[i].held_fit = std::move(fits[i]);
   }
 
   /// Parameters that are determined only together: said in words, for their intervals alone look like ignorance.
@@ -228,10 +233,8 @@ class Diagnosing {
   }
 
   void finish(Search& search) {
-    for (std::size_t i = 0; i < result_.models.size(); ++i) {
-      tell("runs that were held out", static_cast<double>(i), static_cast<double>(result_.models.size()));
-      weigh(result_.models[i]);
-    }
+    fit_held_out();
+    for (FittedHypothesis& model : result_.models) weigh(model);
     std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
       const FittedHypothesis& m = result_.models[i];

@@ -5,6 +5,14 @@
 #include <numbers>
 
 namespace repose::diagnosis {
+namespace {
+
+constexpr double worth_it = 1.25, strongest = 0.95;
+
+/// Of third differences of AR(1) noise of unit variance.
+double variance_of_differences(double phi) { return 20 - 30 * phi + 12 * phi * phi - 2 * phi * phi * phi; }
+
+}  // namespace
 
 double noise_from_differences(std::span<const double> x, std::size_t n) {
   std::vector<double> size;
@@ -19,8 +27,7 @@ double noise_from_differences(std::span<const double> x, std::size_t n) {
 }
 
 NoiseModel noise_model(std::span<const double> x) {
-  constexpr double worth_it = 1.25, strongest = 0.95;
-  const auto variance = [](double phi) { return 20 - 30 * phi + 12 * phi * phi - 2 * phi * phi * phi; };
+  const auto variance = variance_of_differences;
   const double one = noise_from_differences(x, 1), two = noise_from_differences(x, 2);
   if (one == 0) return {};
   const double ratio = two * two / (one * one);
@@ -31,6 +38,18 @@ NoiseModel noise_model(std::span<const double> x) {
     (variance(middle * middle) / variance(middle) < ratio ? low : high) = middle;
   }
   return {one * std::sqrt(20 / variance(low)), low};
+}
+
+double correlation_for(std::span<const double> x, double sd) {
+  const double one = noise_from_differences(x, 1), two = noise_from_differences(x, 2);
+  if (one == 0 || !(sd > 0) || !(two * two > worth_it * one * one)) return 0;
+  const double seen = 20 * one * one / (sd * sd);
+  double low = 0, high = strongest;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (variance_of_differences(middle) > seen ? low : high) = middle;
+  }
+  return low;
 }
 
 double neighbour_correlation(std::span<const double> x) {

@@ -25,6 +25,10 @@ struct NoiseModel {
 /// must be smooth over six samples.
 NoiseModel noise_model(std::span<const double> samples);
 
+/// The correlation phi of AR(1) noise whose scatter is known: it solves V_1 = sd^2 (20 - 30 phi + 12 phi^2 - 2 phi^3). V_2 / V_1 alone tells
+/// little of a strong one (1.8 at phi = 0.6, never above 2). 0 where that ratio stays below 1.25.
+double correlation_for(std::span<const double> samples, double sd);
+
 /// Correlation of neighbours, r_1 = sum x_i x_{i+1} / sum x_i^2, in [0, 0.95]; 0 with fewer than 10 samples. `samples` have mean
 /// zero; NaN breaks the chain.
 double neighbour_correlation(std::span<const double> samples);

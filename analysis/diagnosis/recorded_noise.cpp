@@ -31,8 +31,8 @@ class Collection {
     for (const auto& [name, row] : rows_) result[name] = noise_model(row);
     for (const auto& [name, sd] : given) {
       // Far below what was given, what the samples show is not the sensor: rounding, or a filter.
-      const NoiseModel seen = result[name];
-      result[name] = {sd, seen.sd > 0.5 * sd ? seen.phi : 0};
+      const auto row = rows_.find(name);
+      result[name] = {sd, result[name].sd > 0.5 * sd ? correlation_for(row->second, sd) : 0};
     }
     for (const auto& [name, range] : ranges_)
       if (result[name].sd < resolution * range) result[name] = {resolution * range, 0};

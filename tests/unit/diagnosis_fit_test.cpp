@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "analysis/diagnosis/bootstrap.hpp"
+#include "analysis/diagnosis/held_out.hpp"
 #include "analysis/diagnosis/score.hpp"
 #include "analysis/diagnosis/uncertainty.hpp"
 #include "core/error.hpp"
@@ -57,6 +58,34 @@ TEST(Fit, FindsADragCoefficientFromFarAway) {
   EXPECT_LT(se, 0.02);
   EXPECT_NEAR(fit.shared[0], 0.47, 4 * se);
   EXPECT_LT(fit.per_dof(), 1.3);
+}
+
+TEST(Fit, LeavesStartValuesThatARunHardlyDeterminesWhereTheyWereRead) {
+  const Bundle bundle = flights({});
+  // The y velocity acts a millionth as it should: least squares alone would turn it to hundreds of metres a second for the sake of noise.
+  const Problem problem(bundle, all(bundle), [&](const SimulationRequest& request) {
+    History history = fly(request);
+    const double weak = 1e-6 * request.scene->bodies[0].velocity.y();
+    for (std::size_t i = 0; i < history.time.size(); ++i) history.bodies["ball"].position[i].y() = (0.01 + weak) * history.time[i];
+    return history;
+  });
+  const Fit start = start_of(problem, problem.layout({}), all(bundle));
+  const Fit fit = minimise(problem, start, steps(30));
+  for (std::size_t run = 0; run < bundle.runs.size(); ++run) EXPECT_NEAR(fit.own[run][1], start.own[run][1], 20) << run;
+}
+
+TEST(HeldOut, AStuckRunIsBegunWhereAnotherHypothesisFitsIt) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const std::vector<std::size_t> train = {0, 1}, held = {2, 3};
+  const Fit nominal = minimise(problem, start_of(problem, problem.layout({}), train), {});
+  Fit drag = minimise(problem, start_of(problem, problem.layout(of("quadratic_drag")), train), steps(30));
+  for (const std::size_t run : held) drag.own[run] *= 1e9;  // beyond the largest residual that is told: no slope leads back
+  ASSERT_GT(minimise_own(problem, drag, held, {}).per_dof(), 1e6);
+  const std::vector<Fit> fits = held_out_fits(problem, {&nominal, &drag}, held, {}, [](std::size_t) {});
+  EXPECT_GT(fits[0].per_dof(), 3);
+  EXPECT_LT(fits[1].per_dof(), 1.5);
+  EXPECT_EQ(fits[1].shared, drag.shared);
 }
 
 TEST(Fit, StaysWithinBounds) {

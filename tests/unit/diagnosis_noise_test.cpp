@@ -36,6 +36,13 @@ TEST(Noise, FindsTheCorrelationInTime) {
   EXPECT_NEAR(noise.sd, 1e-3, 1e-4);
 }
 
+TEST(Noise, AKnownScatterTellsTheCorrelation) {
+  // Few samples: the ratio of two strides would leave it open between 0.3 and 0.95.
+  for (const double phi : {0.4, 0.6, 0.8}) EXPECT_NEAR(correlation_for(with_noise(900, 1e-3, phi, 5), 1e-3), phi, 0.1) << phi;
+  EXPECT_EQ(correlation_for(with_noise(900, 1e-3, 0, 6), 1e-3), 0);
+  EXPECT_EQ(correlation_for(with_noise(900, 1e-3, 0.6, 6), 0.5e-3), 0) << "more scatter than was given is no correlation";
+}
+
 TEST(Noise, ForgetsKinks) {
   std::vector<double> x = with_noise(1000, 1e-3, 0, 3);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += std::abs(static_cast<double>(i % 200) - 100) * 0.05;  // ten impacts
