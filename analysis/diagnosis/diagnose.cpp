@@ -119,9 +119,10 @@ class Diagnosing {
     // Where numerics were a part of the mismatch and something is left, that is where the physics is.
     const LackOfFit& located = search.base() != 0 && !result_.interrupted && search.left_by(search.base()).p <= level
                                    ? search.left_by(search.base()) : lack;
-    result_.where = join_neighbours(located.where);
-    result_.depends_on = dependence_of(located.where);
+    result_.where = located.places.stretches;
+    result_.depends_on = dependence_of(located.places.pieces);
     result_.lack_of_fit_p = lack.p;
+    deviate_ = lack.deviate;
     result_.replicas = options_.replicas;
     if (search.base() != 0)
       result_.notes.push_back(fmt::format("The scene's own numerics are a part of the mismatch ({}); all candidates were simulated without that error.",
@@ -134,10 +135,7 @@ class Diagnosing {
   void repeat_nominal(const SearchOptions& how) {
     const NullDistribution null = bootstrap(problem_, result_.models.front().fit, simulate_, options_.bootstrap, how);
     if (null.largest.empty()) return;
-    double deviate = 0;
-    for (const Screened& s : result_.screened) deviate = std::max(deviate, s.deviate);
-    for (const Located& l : result_.where) deviate = std::max(deviate, l.deviate);
-    result_.lack_of_fit_p = null.p(deviate);
+    result_.lack_of_fit_p = null.p(deviate_);
     result_.replicas = static_cast<int>(null.largest.size());
     result_.bootstrapped = true;
   }
@@ -343,6 +341,7 @@ class Diagnosing {
   FitOptions fit_options_;
   std::vector<std::size_t> train_, held_;
   int kept_ = 0;
+  double deviate_ = 0;  ///< of the nominal's lack of fit
 };
 
 }  // namespace

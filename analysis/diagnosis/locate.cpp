@@ -10,7 +10,6 @@
 namespace repose::diagnosis {
 namespace {
 
-constexpr double significant = 0.01;
 constexpr double visible = 1;         // sigma: a component whose whole weight moves the record by less cannot be estimated
 constexpr double trial_share = 0.02;  // of a body's weight: small against what matters, large against rounding
 
@@ -32,16 +31,39 @@ void sort_by_p(std::vector<Located>& entries) {
   std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
 }
 
-bool one_stretch(const Located& a, const Located& b) {
-  return a.run == b.run && a.segment.body == b.segment.body && a.segment.phase == b.segment.phase &&
-         std::abs(a.segment.to - b.segment.from) < 1e-9 && a.p <= significant && b.p <= significant && a.force.dot(b.force) > 0;
+/// Does `b` follow upon `a` in the same phase?
+bool follows(const Segment& a, const Segment& b) { return a.body == b.body && a.phase == b.phase && std::abs(a.to - b.from) < 1e-9; }
+
+/// The force is the mean over the time of both, p the smaller.
+Located joined(Located a, const Located& b) {
+  const double before = a.segment.to - a.segment.from, more = b.segment.to - b.segment.from, both = before + more;
+  a.force = (before * a.force + more * b.force) / both;
+  a.force_se = ((before * a.force_se).cwiseAbs2() + (more * b.force_se).cwiseAbs2()).cwiseSqrt() / both;
+  a.p = std::min(a.p, b.p);
+  a.segment = joined(a.segment, b.segment);
+  return a;
+}
+
+/// Of one run and body: first and last piece, and how much a constant force from the one to the other stands out.
+struct Window {
+  std::size_t first, last;
+  double deviate;
+};
+
+/// Those that stand out most and do not overlap.
+std::vector<Window> disjoint(std::vector<Window> windows) {
+  std::sort(windows.begin(), windows.end(), [](const Window& a, const Window& b) { return a.deviate > b.deviate; });
+  std::vector<Window> taken;
+  for (const Window& w : windows)
+    if (std::none_of(taken.begin(), taken.end(), [&](const Window& t) { return w.first <= t.last && t.first <= w.last; })) taken.push_back(w);
+  return taken;
 }
 
 }  // namespace
 
-std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas,
-                            std::uint64_t seed) {
+Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas, std::uint64_t seed) {
   std::vector<Located> entries;
+  std::vector<Window> windows;
   std::vector<Probe> probes;
   const Fit& fit = nominal;
   for (std::size_t i = 0; i < std::min<std::size_t>(fit.runs.size(), static_cast<std::size_t>(max_runs)); ++i) {
@@ -55,6 +77,8 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
       const bool observed = std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name; });
       if (!observed) continue;
       const double weight = history.mass.at(body) * gravity_scale(history);
+      std::vector<Eigen::MatrixXd> responses;  // of the pieces since the phase began
+      std::size_t begun = entries.size();
       for (const Segment& segment : segments_of(history, body, data.horizon, 8)) {
         Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), 3);
         for (int k = 0; k < 3; ++k) {
@@ -68,13 +92,27 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
         entry.mass = history.mass.at(body);
         entry.observable = most_moved(data, columns.rowwise().sum().segment(first, size));
         Probe probe{nuisance.left_of(columns), false};
-        if (probe.basis.cols() == 0) continue;
+        if (probe.basis.cols() == 0) {
+          responses.clear();
+          begun = entries.size();
+          continue;
+        }
         entry.deviate = deviate(gain_of(probe, nuisance.residual()), probe.basis.cols());
         all.conservativeResize(Eigen::NoChange, all.cols() + 3);
         all.rightCols(3) = columns.middleRows(first, size);
         probes.push_back(std::move(probe));
         of_run.push_back(entries.size());
+        if (!responses.empty() && !follows(entries.back().segment, segment)) responses.clear();
+        if (responses.empty()) begun = entries.size();
         entries.push_back(entry);
+        windows.push_back({entries.size() - 1, entries.size() - 1, entry.deviate});
+        // The last few pieces together: responses add.
+        for (std::size_t n = responses.size(); n-- > 0;) {
+          columns.middleRows(first, size) += responses[n];
+          const Probe together{nuisance.left_of(columns), false};
+          windows.push_back({begun + n, entries.size() - 1, deviate(gain_of(together, nuisance.residual()), together.basis.cols())});
+        }
+        responses.push_back(all.rightCols(3).eval());
       }
       // The forces of all segments together, so that none speaks for its neighbours; in units of the weight, a little stiff.
       if (all.cols() == 0) continue;
@@ -98,33 +136,20 @@ std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nu
         }
     }
   }
-  if (entries.empty()) return entries;
+  if (entries.empty()) return {};
   const NullDistribution null = null_of(probes, nuisance.size(), replicas, seed);
   for (Located& e : entries) e.p = null.p(e.deviate);
-  sort_by_p(entries);
-  return entries;
-}
-
-std::vector<Located> join_neighbours(std::vector<Located> entries) {
-  std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) {
-    return std::tie(a.run, a.segment.body, a.segment.from) < std::tie(b.run, b.segment.body, b.segment.from);
-  });
-  std::vector<Located> result;
-  for (const Located& e : entries) {
-    if (result.empty() || !one_stretch(result.back(), e)) {
-      result.push_back(e);
-      continue;
-    }
-    Located& last = result.back();
-    const double before = last.segment.to - last.segment.from, more = e.segment.to - e.segment.from, both = before + more;
-    last.force = (before * last.force + more * e.force) / both;
-    last.force_se = ((before * last.force_se).cwiseAbs2() + (more * e.force_se).cwiseAbs2()).cwiseSqrt() / both;
-    last.segment.to = e.segment.to;
-    last.deviate = std::max(last.deviate, e.deviate);
-    last.p = std::min(last.p, e.p);
+  Places places;
+  for (const Window& w : disjoint(std::move(windows))) {
+    Located stretch = entries[w.first];
+    for (std::size_t n = w.first + 1; n <= w.last; ++n) stretch = joined(std::move(stretch), entries[n]);
+    stretch.deviate = w.deviate;
+    places.stretches.push_back(stretch);
   }
-  sort_by_p(result);
-  return result;
+  sort_by_p(places.stretches);
+  sort_by_p(entries);
+  places.pieces = std::move(entries);
+  return places;
 }
 
 }  // namespace repose::diagnosis

@@ -19,12 +19,14 @@ struct Located {
   double p = 1;             ///< corrected for all segments of all runs
 };
 
-/// Tests every segment of the given runs of the fit (at most `max_runs`). Sorted by p, then by deviate.
-std::vector<Located> locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas,
-                            std::uint64_t seed);
+struct Places {
+  std::vector<Located> pieces;     ///< every segment by itself, sorted by p, then by deviate
+  /// Disjoint windows: of neighbouring pieces of one run, body and phase, those through which a constant force stands out most, so that what acts
+  /// all along a phase is told as one. The force is the mean over its time, p the smallest of its pieces. Sorted as above.
+  std::vector<Located> stretches;
+};
 
-/// Neighbours in time of one run, body and phase that are significant and push the same way become one entry: the force is the mean
-/// over its time, p the smallest. Sorted as above.
-std::vector<Located> join_neighbours(std::vector<Located> entries);
+/// Tests every segment of the given runs of the fit (at most `max_runs`).
+Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas, std::uint64_t seed);
 
 }  // namespace repose::diagnosis

@@ -138,9 +138,9 @@ LackOfFit Search::judge(const Fit& fit) {
   for (const Screened& s : lack.screened) lack.deviate = std::max(lack.deviate, s.deviate);
   lack.p_effects = null_of(probes_of(lack.screened), nuisance.size(), options_.replicas, options_.seed).p(lack.deviate);
   tell("locating the mismatch", 0, 1);
-  lack.where = locate(problem_, fit, nuisance, options_.located_runs, options_.replicas, options_.seed);
-  const double p_where = lack.where.empty() ? 1 : lack.where.front().p;
-  for (const Located& l : lack.where) lack.deviate = std::max(lack.deviate, l.deviate);
+  lack.places = locate(problem_, fit, nuisance, options_.located_runs, options_.replicas, options_.seed);
+  const double p_where = lack.places.pieces.empty() ? 1 : lack.places.pieces.front().p;
+  for (const Located& l : lack.places.pieces) lack.deviate = std::max(lack.deviate, l.deviate);
   lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));
   return lack;
 }

@@ -26,7 +26,7 @@ struct SearchOptions {
 /// How badly a fit fails: the probe that stands out most, over all effects and over an unknown force in all segments.
 struct LackOfFit {
   std::vector<Screened> screened;  ///< of the effects that the fit does not have, by `reached`
-  std::vector<Located> where;
+  Places places;
   double deviate = 0;              ///< the largest of both
   double p_effects = 1;            ///< of the screening alone
   double p = 1;                    ///< of both, corrected for being two

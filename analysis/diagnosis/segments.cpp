@@ -32,6 +32,21 @@ std::vector<Phase> phases_of(const History& history, const BodyTrack& track, dou
   return phases;
 }
 
+Segment joined(const Segment& a, const Segment& b) {
+  Segment both = a;
+  const double share = b.to > a.from ? (b.to - b.from) / (b.to - a.from) : 0;
+  const auto mean = [&](auto of) { return (1 - share) * of(a) + share * of(b); };
+  both.to = b.to;
+  both.speed = mean([](const Segment& s) { return s.speed; });
+  both.slip_speed = mean([](const Segment& s) { return s.slip_speed; });
+  both.spin = mean([](const Segment& s) { return s.spin; });
+  both.normal_force = mean([](const Segment& s) { return s.normal_force; });
+  both.height = mean([](const Segment& s) { return s.height; });
+  both.time = mean([](const Segment& s) { return s.time; });
+  both.velocity = mean([](const Segment& s) { return Vec3(s.velocity); });
+  return both;
+}
+
 std::vector<Segment> segments_of(const History& history, const std::string& body, double until, int parts) {
   const BodyTrack& track = history.bodies.at(body);
   const std::vector<Phase> phases = phases_of(history, track, history.radius.at(body));

@@ -26,6 +26,9 @@ struct Segment {
   Vec3 velocity = Vec3::Zero();
 };
 
+/// Two that follow one another as one; means are over time.
+Segment joined(const Segment& a, const Segment& b);
+
 /// Parts a path at changes of phase and into at most about `parts` pieces of similar length; impacts last as long as the contact, at
 /// least three steps.
 std::vector<Segment> segments_of(const History& history, const std::string& body, double until, int parts);

@@ -207,7 +207,7 @@ TEST(Locate, FindsTheWindowOfAForce) {
   const Bundle bundle = flights(f);
   const Problem problem(bundle, all(bundle), fly);
   const Fit fit = nominal_fit(problem);
-  const std::vector<Located> where = join_neighbours(locate(problem, fit, Nuisance(problem, fit), 4, 499, 1));
+  const std::vector<Located> where = locate(problem, fit, Nuisance(problem, fit), 4, 499, 1).stretches;
   ASSERT_FALSE(where.empty());
   const Segment& s = where.front().segment;
   EXPECT_LE(where.front().p, 0.01);
@@ -219,33 +219,40 @@ TEST(Locate, FindsTheWindowOfAForce) {
   EXPECT_NEAR(where.front().force.x() * (s.to - s.from), 0.003 * (to - from), 0.2 * 0.003 * (to - from));
 }
 
-TEST(Locate, JoinsNeighboursThatPushTheSameWay) {
-  Located early, late;
-  early.segment = {"ball", Phase::flight, 0, 0.1};
-  late.segment = {"ball", Phase::flight, 0.1, 0.4};
-  early.force = Vec3(4, 0, 0), late.force = Vec3(8, 0, 0);
-  early.force_se = Vec3(3, 0, 0), late.force_se = Vec3(4.0 / 3, 0, 0);
-  early.p = 0.004, late.p = 0.002;
-  const std::vector<Located> one = join_neighbours({late, early});
-  ASSERT_EQ(one.size(), 1u);
-  EXPECT_EQ(one.front().segment.from, 0);
-  EXPECT_EQ(one.front().segment.to, 0.4);
-  EXPECT_NEAR(one.front().force.x(), 7, 1e-12);                       // (0.1 * 4 + 0.3 * 8) / 0.4
-  EXPECT_NEAR(one.front().force_se.x(), 0.5 / 0.4, 1e-9);                  // sqrt((0.1 * 3)^2 + (0.3 * 4 / 3)^2) / 0.4
-  EXPECT_EQ(one.front().p, 0.002);
+TEST(Locate, AForceThatActsAllAlongAPhaseIsOneStretch) {
+  const Bundle bundle = flights({.noise = 2e-4, .rate = 100, .duration = 0.8, .truth = "{uniform_force: {force: [0.002, 0, 0]}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Places places = locate(problem, fit, Nuisance(problem, fit), 4, 499, 1);
+  const Located& first = places.stretches.front();
+  EXPECT_LE(first.p, 0.01);
+  EXPECT_GE(first.segment.to - first.segment.from, 0.6 * 0.8);
+  EXPECT_GT(places.pieces.size(), places.stretches.size());
+  // Disjoint, and all of each path.
+  for (std::size_t run = 0; run < 4; ++run) {
+    double covered = 0;
+    for (const Located& l : places.stretches)
+      if (l.run == run) covered += l.segment.to - l.segment.from;
+    EXPECT_NEAR(covered, 0.8, 0.02) << run;
+  }
+}
 
-  Located against = late, apart = late, unsure = late;
-  against.force = -late.force;
-  apart.segment.from = 0.2;
-  unsure.p = 0.5;
-  for (const Located& other : {against, apart, unsure}) EXPECT_EQ(join_neighbours({early, other}).size(), 2u);
+TEST(Segments, JoinedHaveTheMeansOverTheirTime) {
+  Segment a{"ball", Phase::flight, 0, 0.1}, b{"ball", Phase::flight, 0.1, 0.4};
+  a.speed = 1, b.speed = 2;
+  a.velocity = Vec3(1, 0, 0), b.velocity = Vec3(0, 2, 0);
+  const Segment both = joined(a, b);
+  EXPECT_EQ(both.from, 0);
+  EXPECT_EQ(both.to, 0.4);
+  EXPECT_NEAR(both.speed, 1.75, 1e-12);
+  EXPECT_NEAR((both.velocity - Vec3(0.25, 1.5, 0)).norm(), 0, 1e-12);
 }
 
 TEST(Locate, FindsNothingInNoise) {
   const Bundle bundle = flights({.seed = 4});
   const Problem problem(bundle, all(bundle), fly);
   const Fit fit = nominal_fit(problem);
-  for (const Located& l : locate(problem, fit, Nuisance(problem, fit), 4, 199, 1)) EXPECT_GT(l.p, 0.01);
+  for (const Located& l : locate(problem, fit, Nuisance(problem, fit), 4, 199, 1).pieces) EXPECT_GT(l.p, 0.01);
 }
 
 TEST(Shape, NamesTheVariableAndItsPower) {
