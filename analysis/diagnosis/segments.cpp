@@ -35,15 +35,15 @@ std::vector<Phase> phases_of(const History& history, const BodyTrack& track, dou
 Segment joined(const Segment& a, const Segment& b) {
   Segment both = a;
   const double share = b.to > a.from ? (b.to - b.from) / (b.to - a.from) : 0;
-  const auto mean = [&](auto of) { return (1 - share) * of(a) + share * of(b); };
+  const auto mean = [&](double Segment::*of) { return (1 - share) * a.*of + share * b.*of; };
   both.to = b.to;
-  both.speed = mean([](const Segment& s) { return s.speed; });
-  both.slip_speed = mean([](const Segment& s) { return s.slip_speed; });
-  both.spin = mean([](const Segment& s) { return s.spin; });
-  both.normal_force = mean([](const Segment& s) { return s.normal_force; });
-  both.height = mean([](const Segment& s) { return s.height; });
-  both.time = mean([](const Segment& s) { return s.time; });
-  both.velocity = mean([](const Segment& s) { return Vec3(s.velocity); });
+  both.speed = mean(&Segment::speed);
+  both.slip_speed = mean(&Segment::slip_speed);
+  both.spin = mean(&Segment::spin);
+  both.normal_force = mean(&Segment::normal_force);
+  both.height = mean(&Segment::height);
+  both.time = mean(&Segment::time);
+  both.velocity = (1 - share) * a.velocity + share * b.velocity;
   return both;
 }
 
