@@ -93,6 +93,57 @@ BulkCandidate candidate_of(const Term& term, const BulkCandidate& nominal, const
   return candidate;
 }
 
+bool possible(const Bundle& bundle, const NaturalScale& scale, const BulkCandidate& candidate, const VectorXd& point) {
+  try {
+    realise(read_scene(bulk_scene(bundle, scale, candidate, point), bundle.scene_file.string(), bundle.scene_file.parent_path()), 1);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// The axes cut to where the scene can be built: there are shapes that cannot be drawn out further, and grains for which there is no room. Each axis by
+/// itself, then all together, for the corners of the cube.
+BulkCandidate within_the_possible(BulkCandidate candidate, const Bundle& bundle, const NaturalScale& scale) {
+  constexpr int halvings = 8;
+  constexpr double margin = 0.95;  // for other seeds
+  const std::size_t first = bundle.calibrate.size(), count = candidate.parameters.size() - first;
+  const VectorXd none = null_point(candidate, VectorXd::Constant(static_cast<Index>(first), 0.5));
+  // The largest share of the way from nothing to `end` that can be built.
+  const auto reach = [&](const auto& buildable) {
+    if (buildable(1.0)) return 1.0;
+    double low = 0, high = 1;
+    for (int i = 0; i < halvings; ++i) (buildable(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    return margin * low;
+  };
+  const auto towards = [&](VectorXd point, std::size_t axis, double end, double share) {
+    const auto k = static_cast<Index>(axis);
+    point[k] = none[k] + share * (end - none[k]);
+    return point;
+  };
+  std::vector<double> lower(count), upper(count);
+  for (std::size_t i = 0; i < count; ++i)
+    for (const double end : {0.0, 1.0}) {
+      const double share = reach([&](double s) { return possible(bundle, scale, candidate, towards(none, first + i, end, s)); });
+      (end == 0 ? lower : upper)[i] = towards(none, first + i, end, share)[static_cast<Index>(first + i)];
+    }
+  double together = 1;
+  for (std::size_t corner = 0; corner < (std::size_t{1} << count) && count > 1; ++corner)
+    together = std::min(together, reach([&](double s) {
+      VectorXd point = none;
+      for (std::size_t i = 0; i < count; ++i) point = towards(point, first + i, (corner >> i) % 2 == 0 ? lower[i] : upper[i], s);
+      return possible(bundle, scale, candidate, point);
+    }));
+  const std::vector<Parameter> whole = candidate.parameters;
+  for (std::size_t i = 0; i < count; ++i) {
+    Parameter& p = candidate.parameters[first + i];
+    const double null = none[static_cast<Index>(first + i)];
+    p.lower = value_at(whole[first + i], null + together * (lower[i] - null));
+    p.upper = value_at(whole[first + i], null + together * (upper[i] - null));
+  }
+  return candidate;
+}
+
 /// length_scale, time_scale, and a bias of the first scalar.
 std::vector<BulkCandidate> of_the_recording(const Bundle& bundle, const NaturalScale& scale) {
   std::vector<BulkCandidate> result;
@@ -186,7 +237,7 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
     for (const Term& term : terms) {
       if (term.row->name != name || term.row->site == EffectSite::measurement || !among_grains(term, bundle.scene)) continue;
       if (wanted.empty() && result.size() >= most) continue;
-      result.push_back(candidate_of(term, nominal, scale));
+      result.push_back(within_the_possible(candidate_of(term, nominal, scale), bundle, scale));
       taken.push_back(name);
     }
   for (BulkCandidate& c : of_the_recording(bundle, scale)) {

@@ -34,6 +34,8 @@ Eigen::VectorXd null_point(const BulkCandidate& candidate, const Eigen::VectorXd
 /// The nominal scene, with its calibrated constants as axes.
 BulkCandidate nominal_candidate(const Bundle& bundle, const NaturalScale& scale);
 
+/// The axes are cut to where the scene can be built.
+///
 /// Candidates in the order in which they are tried: laws of grains on grains and of the population, the air, walls; then errors of
 /// the recording. `wanted`: names of effects; empty: those of `bulk_effects` that fit, at most `most` simulated ones. Throws Error for
 /// a name that the library lacks or that the scene cannot take.

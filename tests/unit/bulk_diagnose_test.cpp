@@ -64,6 +64,32 @@ TEST(BulkDiagnosisTest, TheSlowerFlowTellsElongationFromRolling) {
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "grain_shape");
 }
 
+TEST(BulkCandidates, AreSearchedOnlyWhereTheSceneCanBeBuilt) {
+  Bundle bundle = recorded_heaps(1, 1, {});
+  std::string text = heap_scene;
+  text.replace(text.find("{sphere: 1, twin: 1}"), 20, "{sphere: 1, pierced_twin: 1}");
+  text.replace(text.find("count: 12"), 9, "count: 900");
+  bundle.scene = parse_scene(text, "nominal");
+  const NaturalScale scale = natural_scale(realise(bundle.scene, 1));
+  const auto found = bulk_candidates(bundle, scale, {"grain_shape", "size_distribution"}, 8);
+  ASSERT_GE(found.size(), 2u);
+  for (const BulkCandidate& c : found) {
+    if (c.kind != BulkCandidate::Kind::simulated) continue;
+    const auto axes = static_cast<Eigen::Index>(c.parameters.size());
+    for (int corner = 0; corner < (1 << axes); ++corner) {
+      Eigen::VectorXd point(axes);
+      for (Eigen::Index k = 0; k < axes; ++k) point[k] = (corner >> k) % 2;
+      EXPECT_NO_THROW(realise(parse_scene(emit_yaml(bulk_scene(bundle, scale, c, point)), "extreme"), 1)) << c.hypothesis.label() << " " << corner;
+    }
+    for (const Parameter& p : c.parameters) {
+      EXPECT_LT(p.lower, 1) << p.key;
+      EXPECT_GT(p.upper, 1) << p.key;
+    }
+  }
+  // Two spheres, one through the other, part before they are twice as long.
+  EXPECT_LT(found.front().parameters.front().upper, 1.9);
+}
+
 TEST(BulkDiagnosisTest, OneNumberHasManyExplanations) {
   Bundle bundle = recorded_heaps(1, 1, {});
   keep(bundle, {"angle_of_repose"});
