@@ -67,7 +67,7 @@ TEST(BulkDiagnosisTest, TheSlowerFlowTellsElongationFromRolling) {
 TEST(BulkCandidates, AreSearchedOnlyWhereTheSceneCanBeBuilt) {
   Bundle bundle = recorded_heaps(1, 1, {});
   std::string text = heap_scene;
-  text.replace(text.find("{sphere: 1, twin: 1}"), 20, "{sphere: 1, pierced_twin: 1}");
+  text.replace(text.find("{sphere: 1, ellipsoid: 1}"), 25, "{sphere: 1, pierced_twin: 1}");
   text.replace(text.find("count: 12"), 9, "count: 900");
   bundle.scene = parse_scene(text, "nominal");
   const NaturalScale scale = natural_scale(realise(bundle.scene, 1));

@@ -23,7 +23,7 @@ grains:
   powder:
     material: grain
     count: 12
-    mix: {sphere: 1, twin: 1}
+    mix: {sphere: 1, ellipsoid: 1}
     size: {normal: [58 um, 15 um], range: [30 um, 100 um]}
     fill: {frustum: {base: [0, 0, 1 mm], radius_bottom: 0.21 mm, radius_top: 0.75 mm, height: 0.935 mm}}
 tools:
