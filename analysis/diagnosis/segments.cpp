@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace repose::diagnosis {
+namespace {
+
+constexpr double small_share = 0.05;  // of the speed
+
+}  // namespace
 
 double gravity_scale(const History& history) {
   const double g = history.gravity.norm();
@@ -25,8 +30,10 @@ std::vector<Phase> phases_of(const History& history, const BodyTrack& track, dou
       phases.push_back(Phase::impact);
     else if (speed < slow && track.spin[i].norm() * radius < slow)
       phases.push_back(Phase::rest);
+    else if (track.slip_speed[i] >= small_share * std::max(speed, slow))
+      phases.push_back(Phase::sliding);
     else
-      phases.push_back(track.slip_speed[i] < 0.05 * std::max(speed, slow) ? Phase::rolling : Phase::sliding);
+      phases.push_back(track.spin[i].norm() * radius < small_share * speed ? Phase::rest : Phase::rolling);
   }
   if (phases.size() > 1) phases[0] = phases[1];  // the start has no contacts yet
   return phases;

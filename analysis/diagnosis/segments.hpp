@@ -14,7 +14,8 @@ enum class Phase { flight, impact, sliding, rolling, rest };
 const std::string& phase_name(Phase phase);
 
 /// The phase of a body at each step. No contact force: flight. Approach faster than what one step of gravity gives: impact.
-/// Contact and slower than 1 % of sqrt(g R) (and turning slower than that over R): rest. Slip slower than 5 % of the speed: rolling.
+/// Contact and slower than 1 % of sqrt(g R) (and turning slower than that over R): rest. Slip slower than 5 % of the speed: rolling, or, where the
+/// body does not turn either, rest on what carries it.
 std::vector<Phase> phases_of(const History& history, const BodyTrack& track, double radius);
 
 /// A stretch of one body's path in one phase.

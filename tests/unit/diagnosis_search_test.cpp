@@ -181,7 +181,8 @@ TEST(Phases, AreToldByContactSpeedAndSlip) {
   add({1, 0, 0}, {0, 0, 0}, 1, 0.8, 0);
   add({1, 0, 0}, {0, 50, 0}, 1, 0.001, 0);
   add({0, 0, 0}, {0, 0, 0}, 1, 0, 0);
-  const std::vector<Phase> expected{Phase::flight, Phase::flight, Phase::impact, Phase::sliding, Phase::rolling, Phase::rest};
+  add({1, 0, 0}, {0, 0, 0}, 1, 0.001, 0);  // on a belt
+  const std::vector<Phase> expected{Phase::flight, Phase::flight, Phase::impact, Phase::sliding, Phase::rolling, Phase::rest, Phase::rest};
   EXPECT_EQ(phases_of(h, track, 0.02), expected);
 }
 
