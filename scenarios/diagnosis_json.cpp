@@ -74,9 +74,11 @@ json diagnosis_json(const Diagnosis& d) {
   for (const Ranked& r : d.verdict.ranked) {
     json entry = {{"effects", r.effects}, {"probability", r.probability}};
     if (r.model >= 0) {
-      entry["heldout_log_likelihood"] = r.held_out;
-      entry["where_it_acts"] = d.models[static_cast<std::size_t>(r.model)].hypothesis.label();
-      entry["train_chi2_per_dof"] = d.models[static_cast<std::size_t>(r.model)].train.chi2_per_dof;
+      const FittedHypothesis& model = d.models[static_cast<std::size_t>(r.model)];
+      entry["heldout_log_likelihood"] = model.held_out.log_likelihood;
+      entry["predicted_log_likelihood"] = r.held_out;
+      entry["where_it_acts"] = model.hypothesis.label();
+      entry["train_chi2_per_dof"] = model.train.chi2_per_dof;
     }
     result["ranked"].push_back(entry);
   }

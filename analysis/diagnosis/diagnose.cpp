@@ -151,6 +151,8 @@ class Diagnosing {
     for (const std::size_t run : judged)
       model.extra_parameters += static_cast<int>(model.fit.layout.per_run[run].size() - plain.per_run[run].size());
     model.held_out = held_.empty() ? model.train : score_of(problem_, model.held_fit);
+    model.predicted = model.held_out.log_likelihood;
+    if (!held_.empty()) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
   }
 
   void fit_held_out() {
@@ -239,7 +241,7 @@ class Diagnosing {
       Evidence e;
       e.effects = m.hypothesis.names();
       for (const Term& term : m.hypothesis.terms) e.sites.push_back(term.row->site);
-      e.held_out = m.held_out.log_likelihood;
+      e.held_out = m.predicted;
       e.per_run = m.held_out.per_run;
       e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;
       e.parameters = m.extra_parameters;

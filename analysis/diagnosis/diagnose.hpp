@@ -40,6 +40,7 @@ struct FittedHypothesis {
   Fit held_fit;             ///< physics frozen, start values fitted; no runs if nothing is held out
   double scale = 1;         ///< of the residuals on the training runs, in units of the noise, at least 1
   Score train, held_out;
+  double predicted = 0;     ///< log likelihood of the held-out runs, for physics as well as the fitted runs determine it: what verdicts weigh
   int extra_parameters = 0; ///< beyond the nominal's
   int form_parameters = 0;  ///< of them, those that shape one run
   std::vector<ParameterEstimate> parameters;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <Eigen/Dense>
+
 #include "analysis/two_samples.hpp"
 
 namespace repose::diagnosis {
@@ -35,6 +37,29 @@ Score score_of(const Problem& problem, const Fit& fit) {
   for (const auto& [name, square] : squares) score.rmse[name] = std::sqrt(square.first / std::max(1.0, square.second));
   score.chi2_per_dof = fit.per_dof();
   return score;
+}
+
+double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale) {
+  constexpr double rounding = 1e-9;  // of the information, for directions that no run shows
+  const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
+  if (n == 0 || !std::isfinite(held.chi2)) return 0;
+  Eigen::MatrixXd known = information_of(problem, fit) / (scale * scale), more = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd slope = Eigen::VectorXd::Zero(n);
+  for (std::size_t i = 0; i < held.runs.size(); ++i) {
+    const Eigen::MatrixXd s = shared_alone(jacobian(problem, held, held.runs[i]));
+    more += s.transpose() * s;
+    slope += s.transpose() * held.residual[i];
+  }
+  // In units in which all that is known has a diagonal of one.
+  const Eigen::VectorXd unit = (known + more).diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd stiff = rounding * Eigen::MatrixXd::Identity(n, n);
+  known = unit.asDiagonal() * known * unit.asDiagonal() + stiff;
+  const Eigen::MatrixXd both = known + unit.asDiagonal() * more * unit.asDiagonal();
+  const Eigen::LLT<Eigen::MatrixXd> of_both(both), of_known(known);
+  if (of_both.info() != Eigen::Success || of_known.info() != Eigen::Success) return 0;
+  const Eigen::VectorXd g = unit.asDiagonal() * slope;
+  const auto half_log_det = [](const Eigen::LLT<Eigen::MatrixXd>& llt) { return llt.matrixLLT().diagonal().array().log().sum(); };
+  return 0.5 * g.dot(of_both.solve(g)) - (half_log_det(of_both) - half_log_det(of_known));
 }
 
 PairedGain paired_gain(std::span<const double> nominal, std::span<const double> extended) {

@@ -21,6 +21,14 @@ struct Score {
 /// `fit` has been fitted to (or, for held-out runs, its start values have been) fit.runs.
 Score score_of(const Problem& problem, const Fit& fit);
 
+/// What is to be added to the log likelihood of held-out runs because the physics frozen there is known only to within its standard errors on the runs
+/// that were fitted (Laplace):
+///   g' (A + B)^-1 g / 2 - ln(det(A + B) / det B) / 2
+/// B, A: information on the shared parameters in the fitted and the held-out runs, start values taken out; g: slope of chi^2 / 2 in the latter. A
+/// parameter that the fitted runs hardly determine is not held against its model for the value that they happened to give. B is divided by the
+/// square of `scale`, of the fitted residuals in units of the noise. 0 without shared parameters.
+double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale);
+
 /// The extended model against the nominal on the same runs, by their log likelihoods.
 struct PairedGain {
   double p = 1;            ///< one-sided, paired t test over runs; 1 with fewer than two runs

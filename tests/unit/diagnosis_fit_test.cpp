@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <Eigen/Dense>
+
 #include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/held_out.hpp"
 #include "analysis/diagnosis/score.hpp"
@@ -243,6 +245,21 @@ TEST(Score, IsTheLikelihoodAndTheErrorInSi) {
   for (const double x : score.per_run) sum += x;
   EXPECT_NEAR(score.log_likelihood, sum, 1e-9);
   EXPECT_NEAR(sum, -0.5 * static_cast<double>(fit.samples) * std::log(2 * 3.14159265358979) - 0.5 * fit.chi2, 1e-6);
+}
+
+TEST(Score, CountsHowWellTheFrozenPhysicsIsKnown) {
+  // Straight-line residuals: p(held | fitted) = p(both) / p(fitted), from fits of both together.
+  const Bundle bundle = flights({.truth = "{uniform_force: {force: [0.0008, 0, 0]}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  const Layout layout = problem.layout(of("uniform_force"));
+  const auto fitted = [&](const std::vector<std::size_t>& runs) { return minimise(problem, start_of(problem, layout, runs), steps(50)); };
+  const Fit train = fitted({0}), both = fitted({0, 1, 2, 3}), held = minimise_own(problem, train, {1, 2, 3}, steps(50));
+  const Eigen::MatrixXd known = information_of(problem, train), more = information_of(problem, held);
+  const double exact = 0.5 * (train.chi2 + held.chi2 - both.chi2) - 0.5 * std::log((known + more).determinant() / known.determinant());
+  EXPECT_NEAR(worth_of_uncertainty(problem, train, held, 1), exact, 0.02);
+  EXPECT_GT(std::abs(exact), 0.1);
+  const Fit nominal = minimise(problem, start_of(problem, problem.layout({}), {0}), {});
+  EXPECT_EQ(worth_of_uncertainty(problem, nominal, minimise_own(problem, nominal, {1}, {}), 1), 0);
 }
 
 TEST(Score, OfTwoModelsIsPairedByRun) {
