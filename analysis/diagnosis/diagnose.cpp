@@ -152,7 +152,9 @@ class Diagnosing {
       model.extra_parameters += static_cast<int>(model.fit.layout.per_run[run].size() - plain.per_run[run].size());
     model.held_out = held_.empty() ? model.train : score_of(problem_, model.held_fit);
     model.predicted = model.held_out.log_likelihood;
-    if (!held_.empty()) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
+    // Where a model leaves plainly more than noise, its slopes say nothing of what another value would be worth.
+    const bool poor = model.fit.per_dof() > plainly_more_than_noise || model.held_fit.per_dof() > plainly_more_than_noise;
+    if (!held_.empty() && !poor) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
   }
 
   void fit_held_out() {

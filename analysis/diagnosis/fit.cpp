@@ -44,12 +44,13 @@ struct Coordinates {
 };
 
 constexpr double nudge = 0.1;  // in units of Coordinates
+constexpr double far_off = 25;        // chi^2 per sample of a run that may be stuck: 5 sigma
 constexpr double first_radius = 100;  // of Ceres' 1e4: contacts bend the residuals, and each step that is taken back is one of few
 
 class RunCost final : public ceres::CostFunction {
  public:
-  RunCost(const Problem& problem, const Layout& layout, std::size_t run)
-      : problem_(problem), layout_(layout), run_(run), shared_(layout.shared), own_(layout.per_run[run]) {
+  RunCost(const Problem& problem, const Layout& layout, std::size_t run, double until)
+      : problem_(problem), layout_(layout), run_(run), until_(until), shared_(layout.shared), own_(layout.per_run[run]) {
     set_num_residuals(static_cast<int>(problem.runs()[run].size));
     for (const std::size_t n : {shared_.parameters.size(), own_.parameters.size()})
       if (n > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(n));
@@ -60,7 +61,14 @@ class RunCost final : public ceres::CostFunction {
     int block = 0, shared_block = -1, own_block = -1;
     if (!shared_.parameters.empty()) u[0].assign(blocks[block], blocks[block] + shared_.parameters.size()), shared_block = block++;
     if (!own_.parameters.empty()) u[1].assign(blocks[block], blocks[block] + own_.parameters.size()), own_block = block++;
-    const auto at = [&] { return problem_.residual(layout_, run_, shared_.from(u[0].data()), own_.from(u[1].data())); };
+    const auto at = [&] {
+      Eigen::VectorXd r = problem_.residual(layout_, run_, shared_.from(u[0].data()), own_.from(u[1].data()));
+      if (r.size() == 0) return r;
+      for (const Channel& c : problem_.runs()[run_].channels)
+        for (std::size_t i = 0; i < c.time.size(); ++i)
+          if (c.time[i] > until_) r[c.first + static_cast<Eigen::Index>(i)] = 0;
+      return r;
+    };
     const Eigen::VectorXd r = at();
     if (r.size() == 0) return false;  // the simulation failed: a step that Ceres takes back
     Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
@@ -96,6 +104,7 @@ class RunCost final : public ceres::CostFunction {
   const Problem& problem_;
   const Layout& layout_;
   std::size_t run_;
+  double until_;
   Coordinates shared_, own_;
 };
 
@@ -192,7 +201,7 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
     if (!own[run].empty()) blocks.push_back(own[run].data());
     if (blocks.empty()) continue;
     any = true;
-    least_squares.AddResidualBlock(new RunCost(problem, best.layout, run), nullptr, blocks);
+    least_squares.AddResidualBlock(new RunCost(problem, best.layout, run, options.until), nullptr, blocks);
     if (own[run].empty()) continue;
     bound(own[run].data(), Coordinates(best.layout.per_run[run]));
     least_squares.AddResidualBlock(new Prior(best.layout.per_run[run]), nullptr, own[run].data());
@@ -224,7 +233,18 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
   if (!frozen) found.shared = shared.from(s.data());
   for (const std::size_t run : best.runs) found.own[run] = Coordinates(best.layout.per_run[run]).from(own[run].data());
   evaluate(problem, found);
-  return found.chi2 < best.chi2 ? found : best;
+  return found.chi2 < best.chi2 || std::isfinite(options.until) ? found : best;
+}
+
+/// One run, its start values fitted to a growing part of its record.
+Fit grown(const Problem& problem, const Fit& start, const FitOptions& options) {
+  Fit fit = start;
+  FitOptions part = options;
+  for (const double share : {0.25, 0.5, 0.75}) {
+    part.until = share * problem.runs()[start.runs.front()].horizon;
+    fit = solve(problem, fit, part, true);
+  }
+  return solve(problem, fit, options, true);
 }
 
 }  // namespace
@@ -259,6 +279,29 @@ Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<s
   Fit fit = trained;
   fit.runs = runs;
   return solve(problem, fit, options, true);
+}
+
+Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options) {
+  Fit better = fit;
+  for (std::size_t i = 0; i < fit.runs.size(); ++i) {
+    const std::size_t run = fit.runs[i];
+    if (std::find(runs.begin(), runs.end(), run) == runs.end() || (options.interrupted && options.interrupted())) continue;
+    const std::vector<Parameter>& start = problem.runs()[run].start;
+    double least = fit.residual[i].size() == 0 ? std::numeric_limits<double>::infinity() : fit.residual[i].squaredNorm();
+    if (start.empty() || least < far_off * static_cast<double>(fit.residual[i].size())) continue;
+    for (const bool as_told : {false, true}) {
+      Fit one = fit;
+      one.runs = {run};
+      for (std::size_t k = 0; k < start.size(); ++k)
+        one.own[run][static_cast<Eigen::Index>(k)] = as_told && std::isfinite(start[k].told) ? start[k].told : start[k].start;
+      if (one = grown(problem, one, options); one.chi2 < least) {
+        least = one.chi2;
+        better.own[run] = one.own[run];
+      }
+    }
+  }
+  evaluate(problem, better);
+  return better.chi2 < fit.chi2 ? better : fit;
 }
 
 RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Least squares over runs: shared parameters, and those of each run.
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "analysis/diagnosis/problem.hpp"
@@ -23,6 +24,7 @@ struct FitOptions {
   int iterations = 12;
   int threads = 1;
   int pinned = -1;  ///< a shared parameter that stays where it begins
+  double until = std::numeric_limits<double>::infinity();  ///< [s]: later samples do not count, and the result may be worse over all of them
   std::function<bool()> interrupted;
 };
 
@@ -38,6 +40,10 @@ Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options
 
 /// Frozen shared parameters: only the values of each run of `runs` are fitted.
 Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options);
+
+/// Those of `runs` that are off by more than 5 sigma may be stuck, behind an impact that their first start values miss: they are begun anew from the start
+/// values as read off the data and as the scene has them, fitted to a growing part of the record. Shared parameters stay. Never worse than `fit`.
+Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options);
 
 /// Derivatives of the residuals of one run at the fit; 0 where a simulation on either side fails or a bound is in the way.
 struct RunJacobian {

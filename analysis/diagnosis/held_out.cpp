@@ -35,6 +35,7 @@ std::vector<Fit> held_out_fits(const Problem& problem, const std::vector<const F
     const std::size_t run = runs[i], start_values = problem.runs()[run].start.size();
     const auto best = static_cast<std::size_t>(
         std::min_element(fits.begin(), fits.end(), [&](const Fit& a, const Fit& b) { return chi2_of(a, i) < chi2_of(b, i); }) - fits.begin());
+    fits[best] = begun_anew(problem, fits[best], {run}, options);
     const Values found = fits[best].own[run];
     for (std::size_t m = 0; m < fits.size() && start_values > 0; ++m) {
       if (options.interrupted && options.interrupted()) return fits;

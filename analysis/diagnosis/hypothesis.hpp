@@ -1,5 +1,6 @@
 #pragma once
 /// A claim about what is missing: effects of the library, each at its place, and the parameters that a fit may turn.
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct Parameter {
   double start = 0;
   double null = 0;      ///< where it does nothing
   double step = 1e-6;   ///< for finite differences
+  double told = std::numeric_limits<double>::quiet_NaN();  ///< a start value as the scene has it
   double prior_sd = 0;  ///< of a weak prior about `start`, for what a run does not determine; 0: none
   bool logarithmic = false;
 };

@@ -92,7 +92,7 @@ void Search::tell(const std::string& stage, double done, double total) const {
 /// Step 2: from several starts of every constant that nobody measured.
 void Search::calibrate() {
   const Layout layout = problem_.layout({});
-  Fit best = improved(start_of(problem_, layout, train_));
+  Fit best = improved(begun_anew(problem_, improved(start_of(problem_, layout, train_)), train_, fit_options_));
   for (std::size_t i = 0; i < layout.shared.size() && !stopped(); ++i) {
     tell("calibrating the nominal scene", static_cast<double>(i), static_cast<double>(layout.shared.size()));
     for (const double share : {0.05, 0.2, 0.6}) {

@@ -121,6 +121,7 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
       p.component = k;
       p.start = p.null = start;
       p.step = 0.5 * uncertainty;
+      p.told = what == "position" ? body.position[k] : what == "velocity" ? body.velocity[k] : what == "angular_velocity" ? body.angular_velocity[k] : start;
       if (observed != nullptr) p.prior_sd = std::max(prior_errors * uncertainty, prior_share * fastest_seen);
       result.push_back(p);
     };
