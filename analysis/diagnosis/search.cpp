@@ -15,6 +15,7 @@ namespace {
 constexpr int profile_points = 10;
 constexpr int short_fit = 4;              // iterations that tell which candidates deserve more
 constexpr std::size_t stated_fits = 2;    // constants of the scene that are fitted to the end
+constexpr std::size_t solved_again = 4;   // hypotheses that were found beside other numerics
 constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
 constexpr double promising = 1.2;         // times the chi^2 to beat, after a short fit
 constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
@@ -74,6 +75,7 @@ void Search::run() {
     if (!stopped() && !numerics_suffice) fit_singles();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_stated();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
+    if (!stopped() && base_ != 0) fit_without_numerics();
     if (stopped() || !guard()) return;
     left_.clear();
     lack_ = judge(fits_.front());
@@ -353,6 +355,22 @@ Fit Search::improved_if_promising(const Fit& start, double wanted) const {
   options.iterations = short_fit;
   Fit begun = minimise(problem_, start, options);
   return begun.chi2 < promising * wanted ? improved(begun) : begun;
+}
+
+/// Physics that was found beside other numerics may not need them: the best hypotheses once more as the nominal is solved.
+void Search::fit_without_numerics() {
+  const Numerics own = fits_.front().layout.numerics;
+  std::vector<std::size_t> order;
+  for (std::size_t m = 1; m < fits_.size(); ++m)
+    if (m != base_ && !without_numerics(fits_[m].layout.hypothesis).terms.empty()) order.push_back(m);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth(fits_[a]) < worth(fits_[b]); });
+  for (std::size_t i = 0; i < std::min(solved_again, order.size()) && !stopped(); ++i) {
+    Fit& fit = fits_[order[i]];
+    tell("the best as the scene is solved", static_cast<double>(i), static_cast<double>(solved_again));
+    Fit start = fit;
+    start.layout.numerics = own;
+    if (Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2); again.chi2 < fit.chi2) fit = std::move(again);
+  }
 }
 
 /// Step 3, the other way: the nominal begun where candidates ended, those first that it fits best as they are. If that gains, all

@@ -74,6 +74,7 @@ class Search {
   std::vector<std::pair<std::size_t, std::size_t>> foresee_pairs(const std::vector<std::size_t>& singles, const std::vector<Screened>& screened);
   void fit_numerics();
   void fit_numerics(const char* name, const std::vector<Numerics>& ways);
+  void fit_without_numerics();
   bool guard();
 
   const Problem& problem_;
