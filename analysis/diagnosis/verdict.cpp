@@ -64,6 +64,8 @@ std::size_t best_that_explains(const std::vector<Evidence>& evidence, std::vecto
   if (best != 0)
     for (std::size_t i = 1; i < evidence.size(); ++i)
       if (!explains_enough(evidence[i])) score[i] = std::min(score[i], score[best] - 2 * indistinguishable_within);
+  // One share above the limit and another just below it are no reason to call the first alone the truth.
+  count_runs_not_samples(evidence, best, score);
   return best;
 }
 

@@ -57,8 +57,10 @@ TEST_F(Recordings, BundlesAreReadWithoutDoubt) {
   }
 }
 
+// With four of the eleven balls one coefficient for all explains too little to be named.
 TEST_F(Recordings, BallsFallSlowerThanInAVacuum) {
-  const Diagnosis d = diagnose(read("ball_drops"), 4, 4);
+  const Diagnosis d = diagnose(read("ball_drops"), 8, 7);
+  EXPECT_TRUE(d.verdict.word == "missing" || d.verdict.word == "ambiguous") << d.verdict.word;
   EXPECT_TRUE(names(d, resistance));
   EXPECT_GT(held_out_gain(d), 0);
   ASSERT_FALSE(d.where.empty());
