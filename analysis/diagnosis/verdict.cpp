@@ -36,7 +36,7 @@ double log_odds_by_runs(const Evidence& best, const Evidence& rival) {
   return std::log(p / (1 - p));
 }
 
-constexpr double comparable = 0.8;  // of the leader's share of what was left over: a rival explains as much as that
+constexpr double comparable = 0.8;  // of the leader's share of what was left over: a rival explains as much as that, or fits held-out runs better
 
 /// Samples of one run share what is systematic in it; counted one by one they would make a winner of every rival.
 void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t best, std::vector<double>& score) {
@@ -46,7 +46,8 @@ void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t b
   for (std::size_t i = 1; i < evidence.size(); ++i) {
     const Evidence& rival = evidence[i];
     if (i == best || rival.effects.size() != leader.effects.size() || rival.train_gain < least_explained * leader.train_gain) continue;
-    if (held_out_gain(rival) < least_explained * held_out_gain(leader) || rival.explained < comparable * leader.explained) continue;
+    if (held_out_gain(rival) < least_explained * held_out_gain(leader)) continue;
+    if (rival.explained < comparable * leader.explained && rival.held_out < leader.held_out) continue;
     score[i] = std::max(score[i], score[best] + log_odds_by_runs(leader, rival) - cost_of_stated * std::max(0, rival.stated - leader.stated));
   }
 }

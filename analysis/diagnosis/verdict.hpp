@@ -51,7 +51,7 @@ inline constexpr double plainly_more_than_noise = 2;
 
 /// `evidence[0]` is the nominal. Log likelihoods are divided by the square of the best model's scale (a model that leaves residuals
 /// of twice the noise has a quarter of the evidence). Where the best leaves plainly more than noise, the odds against a rival of the
-/// same size that explains at least half as much, on training and held-out runs, and four fifths of the share, are no longer than a paired t test over runs bears
+/// same size that explains at least half as much, on training and held-out runs, and four fifths of the share (or fits held-out runs better), are no longer than a paired t test over runs bears
 /// out, p : 1 - p. Nested models are no rivals. `lack_of_fit_p` above `level`: none, whatever fits better by chance.
 /// `remaining_p`: lack of fit of the best model. If it is not above `level` and the best has explained too little, the best of those that
 /// have explained enough is named in its place: part of what is missing; if there is none, `unknown`.
