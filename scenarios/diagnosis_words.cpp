@@ -82,6 +82,11 @@ std::string rivals(const Diagnosis& d) {
   return joined(others, "or");
 }
 
+/// Of two effects the one that has rivals.
+std::string in_doubt(const Diagnosis& d) {
+  return d.models[d.best].hypothesis.terms.size() > 1 && !d.verdict.indistinguishable.empty() ? effects_in_words({d.verdict.indistinguishable.front().front()}) : "it";
+}
+
 /// "On 12 recordings that were not used, the error falls from 9.1 σ to 1.02 σ."
 std::string worth(const Diagnosis& d) {
   const Score& before = d.models.front().held_out;
@@ -147,7 +152,8 @@ std::string by_verdict(const Diagnosis& d) {
     return place_sentence(d, false) + explanation(d, "") + ". That is an error of the measurement: " +
            d.models[d.best].hypothesis.terms.front().row->claim + " No physics is missing. " + worth(d);
   if (verdict == "ambiguous")
-    return place_sentence(d, true) + explanation(d, " best") + "; but these recordings cannot tell it from " + rivals(d) + ". " + worth(d) + next_recording(d);
+    return place_sentence(d, true) + explanation(d, " best") + "; but these recordings cannot tell " + in_doubt(d) + " from " + rivals(d) + ". " + worth(d) +
+           next_recording(d);
   return place_sentence(d, true) + explanation(d, "") + ". " + worth(d);
 }
 

@@ -125,7 +125,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   }
   verdict.word = word_of(evidence[static_cast<std::size_t>(verdict.best)]);
   if (verdict.best == 0) return verdict;
-  std::vector<std::string> others;
+  std::vector<std::string> open, others;  // names of the best that its nearest rival does without; names that stand in their place
   const Evidence& best = evidence[static_cast<std::size_t>(verdict.best)];
   std::vector<std::size_t> nearest(evidence.size() - 1);
   std::iota(nearest.begin(), nearest.end(), std::size_t{1});
@@ -133,15 +133,15 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   for (const std::size_t i : nearest) {
     if (static_cast<int>(i) == verdict.best || score[static_cast<std::size_t>(verdict.best)] - score[i] > indistinguishable_within) continue;
     if (nested(best, evidence[i]) || nested(evidence[i], best)) continue;
+    for (const std::string& name : others.empty() ? best.effects : std::vector<std::string>{})
+      if (std::find(evidence[i].effects.begin(), evidence[i].effects.end(), name) == evidence[i].effects.end()) open.push_back(name);
     for (const std::string& name : evidence[i].effects)
       if (std::find(best.effects.begin(), best.effects.end(), name) == best.effects.end() &&
           std::find(others.begin(), others.end(), name) == others.end())
         others.push_back(name);
   }
   if (!others.empty()) {
-    std::vector<std::string> group;
-    for (const std::string& name : best.effects)
-      if (group.empty()) group.push_back(name);
+    std::vector<std::string> group{open.front()};
     for (const std::string& name : others)
       if (group.size() < 3) group.push_back(name);
     verdict.indistinguishable.push_back(group);

@@ -130,6 +130,13 @@ TEST(Verdict, IsAmbiguousBetweenRivals) {
             "ambiguous");
 }
 
+TEST(Verdict, WhatAllRivalsShareIsNotInDoubt) {
+  const Verdict v = judge({model({}, -900, 5), model({"friction", "inertia"}, -100), model({"friction", "contact_compliance"}, -100.5)}, 0.002, 0.5);
+  EXPECT_EQ(v.word, "ambiguous");
+  ASSERT_EQ(v.indistinguishable.size(), 1u);
+  EXPECT_EQ(v.indistinguishable.front(), (std::vector<std::string>{"inertia", "contact_compliance"}));
+}
+
 TEST(Verdict, ClassesHaveTheNearestThree) {
   const Verdict v = judge({model({}, -500, 3), model({"quadratic_drag"}, -100), model({"linear_drag"}, -100.3), model({"magnus"}, -100.2),
                            model({"buoyancy"}, -100.1)},
