@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Dense>
 
@@ -41,11 +42,15 @@ std::vector<Values> tried_points(const std::vector<Parameter>& parameters, int p
     for (std::size_t k = 0; k < components; ++k)
       for (const double share : shares) linear(first, k, share);
   }
+  // A wave is found by its direction only near its frequency, and as a sum of two, a quarter of a period apart.
+  const auto phase = std::find_if(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key.ends_with(".phase"); });
+  const int quarters = phase != parameters.end() ? 2 : 1, count = quarters * further_points;
   for (std::size_t j = components; j < parameters.size(); ++j) {
     if (!parameters[j].logarithmic) continue;
-    for (int i = 0; i < further_points; ++i) {
+    for (int i = 0; i < count * quarters; ++i) {
       Values base = first;
-      base[static_cast<Eigen::Index>(j)] = at_log(parameters[j], (i + 0.5) / further_points);
+      base[static_cast<Eigen::Index>(j)] = at_log(parameters[j], (i / quarters + 0.5) / count);
+      if (phase != parameters.end()) base[phase - parameters.begin()] += 0.5 * std::numbers::pi * (i % quarters);
       if (parameters[0].logarithmic)
         for (const double share : {0.25, 0.5, 0.75}) add(base, 0, at_log(parameters[0], share));
       else

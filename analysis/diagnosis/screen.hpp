@@ -21,7 +21,7 @@ struct Screened {
 };
 
 /// The search: the first parameter log-spaced (`points` values) or at both signs, each component of a vector alone; further
-/// logarithmic parameters (frequencies, ranges) in turn at a small first one. Where the nominal fit is poor its start values are
+/// logarithmic parameters (frequencies, ranges) in turn at a small first one, waves twice as densely and at two phases. Where the nominal fit is poor its start values are
 /// distorted: then also from the start values as read off the data.
 Screened screen(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, const Term& term, int points);
 
