@@ -369,7 +369,10 @@ void Search::fit_without_numerics() {
     tell("the best as the scene is solved", static_cast<double>(i), static_cast<double>(solved_again));
     Fit start = fit;
     start.layout.numerics = own;
-    if (Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2); again.chi2 < fit.chi2) fit = std::move(again);
+    Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2);
+    if (again.chi2 >= fit.chi2) continue;
+    fit = std::move(again);
+    left_.erase(fit.layout.hypothesis.label());  // what the fit before it left is no longer so
   }
 }
 
