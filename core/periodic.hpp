@@ -23,8 +23,8 @@ struct PeriodicCell {
   /// What to add to a difference of two places to make it the shortest among images: multiples of the periods.
   Vec3 to_nearest(const Vec3& difference) const {
     Vec3 shift = Vec3::Zero();
-    for (int k = 0; k < 3; ++k)
-      if (along(k)) shift[k] = -length(k) * std::floor(difference[k] / length(k) + 0.5);
+    for (int k = 0; k < 3; ++k)  // most differences are short: no division for them
+      if (along(k) && std::abs(difference[k]) > 0.499 * length(k)) shift[k] = -length(k) * std::floor(difference[k] / length(k) + 0.5);
     return shift;
   }
 

@@ -189,7 +189,8 @@ void check_tool(const Model& model, std::size_t i, int axis, double margin) {
 }  // namespace
 
 bool is_endless(const Model& model, std::size_t body, int axis) {
-  return is_endless(model, body, axis, largest_moving(model));
+  // Asked of every body: only the few that are not free are worth a look at all others.
+  return !model.bodies[body].dynamic && model.periodic.along(axis) && is_endless(model, body, axis, largest_moving(model));
 }
 
 void check_periodic(const Model& model) {

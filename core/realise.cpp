@@ -154,6 +154,13 @@ void Realiser::add(const Tool& tool) {
 }
 
 void Realiser::add(const GrainSet& set) {
+  // Hundreds of thousands: room for exactly these.
+  const std::size_t all = model_.bodies.size() + set.grains.size();
+  model_.bodies.reserve(all);
+  model_.initial.position.reserve(all);
+  model_.initial.orientation.reserve(all);
+  model_.initial.velocity.reserve(all);
+  model_.initial.angular_velocity.reserve(all);
   const int first_shape = static_cast<int>(model_.shapes.size());
   model_.shapes.insert(model_.shapes.end(), set.shapes.begin(), set.shapes.end());
   std::vector<int> names, materials;

@@ -196,21 +196,22 @@ class WorldDart final : public World {
         Error::Kind::simulation);
   }
 
-  dvi::BodyPlacement placement() const {
-    dvi::BodyPlacement p;
+  dvi::BodyPlacement placement() {
     const std::size_t n = model_.bodies.size();
-    p.position = position_;
-    p.rotation = rotation_;
+    placed_velocity_.resize(n);
+    placed_angular_.resize(n);
+    turning_speed_.resize(n);
+    present_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const auto s = static_cast<std::size_t>(slot_[i]);
-      p.velocity.push_back(problem_.velocity[s]);
-      p.angular_velocity.push_back(problem_.angular_velocity[s]);
+      placed_velocity_[i] = problem_.velocity[s];
+      placed_angular_[i] = problem_.angular_velocity[s];
       const double reach = shape_of(i).bounding_radius * model_.bodies[i].scale / units_.length;
-      const double turning = p.angular_velocity[i].norm();
-      p.turning_speed.push_back(turning > 0 && std::isfinite(reach) ? turning * reach : 0.0);
-      p.present.push_back(model_.bodies[i].exists_at(time_) ? 1 : 0);
+      const double turning = placed_angular_[i].norm();
+      turning_speed_[i] = turning > 0 && std::isfinite(reach) ? turning * reach : 0.0;
+      present_[i] = model_.bodies[i].exists_at(time_) ? 1 : 0;
     }
-    return p;
+    return {position_, rotation_, placed_velocity_, placed_angular_, turning_speed_, present_};
   }
 
   /// FCL's contacts where FCL knows the pair; elsewhere, and for cohesion across a gap, those of Repose's own narrow
@@ -359,6 +360,9 @@ class WorldDart final : public World {
   SolverOptions options_;
   dvi::Units units_;
   dvi::ContactFinder finder_;
+  std::vector<Vec3> placed_velocity_, placed_angular_;  // by body, for the finder
+  std::vector<double> turning_speed_;
+  std::vector<char> present_;
   FclContacts fcl_;
   std::unique_ptr<LcpSolver> solver_;
   std::vector<int> first_part_, body_of_part_;

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace repose::dvi {
 
 namespace {
 
 constexpr int coordinate_bits = 19;
+constexpr std::size_t cells_per_ball = 8;
 constexpr int max_level = 63;  // sizes beyond 2^63 : 1 share the last grid
 
 /// Spreads the low 19 bits so that two zero bits follow each.
@@ -39,22 +41,59 @@ int BroadPhase::level_of(double reach) const {
   return std::clamp(std::ilogb(reach / smallest_), 0, max_level);
 }
 
-std::int64_t BroadPhase::cell_of(int level, int axis, double x) const {
-  if (!periodic_.along(axis)) return cell(x, inverse_cell_[static_cast<std::size_t>(level)]);
-  const Ring& ring = ring_of(level, axis);
-  return ring.around(ring.step(x));
+BroadPhase::Cell BroadPhase::cell_of(int level, const Vec3& centre) const {
+  Cell at;
+  for (int k = 0; k < 3; ++k) {
+    std::int64_t& step = at[static_cast<std::size_t>(k)];
+    if (periodic_.along(k)) {
+      const Ring& ring = ring_of(level, k);
+      step = std::clamp<std::int64_t>(ring.step(centre[k]), 0, ring.cells - 1);  // may be rounded out of the cell that it lies in
+    } else {
+      step = cell(centre[k], inverse_cell_[static_cast<std::size_t>(level)]);
+    }
+  }
+  return at;
+}
+
+void BroadPhase::lay_out_grids(const std::vector<Cell>& lowest, const std::vector<Cell>& highest) {
+  const std::size_t most = cells_per_ball * ball_.size() + 64;
+  grid_.assign(static_cast<std::size_t>(levels()), {});
+  std::size_t all = 0;
+  for (std::size_t level = 0; level < grid_.size(); ++level) {
+    Grid& grid = grid_[level];
+    grid.first = all;
+    double cells = 1;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool ring = periodic_.along(static_cast<int>(k));
+      grid.low[k] = ring ? 0 : lowest[level][k];
+      grid.size[k] = (ring ? ring_of(static_cast<int>(level), static_cast<int>(k)).cells : highest[level][k] + 1) - grid.low[k];
+      cells *= std::max<double>(0, static_cast<double>(grid.size[k]));
+    }
+    grid.sparse = cells > static_cast<double>(most);
+    if (!grid.sparse) all += static_cast<std::size_t>(cells);
+  }
+  dense_.assign(all, {});
+}
+
+void BroadPhase::enter(std::uint64_t key, const Ranks& ranks) {
+  if (table_.empty()) {
+    mask_ = std::bit_ceil(2 * ball_.size()) - 1;
+    table_.assign(mask_ + 1, Slot{});
+  }
+  std::size_t h = hash(key);
+  while (table_[h].ranks.begin != table_[h].ranks.end) h = (h + 1) & mask_;
+  table_[h] = {key, ranks};
 }
 
 void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> reach, const PeriodicCell& cell) {
   periodic_ = cell;
   ring_.clear();
-  centre_ = centre;
-  reach_ = reach;
   const std::size_t n = centre.size();
   inverse_cell_.clear();
   largest_.clear();
   order_.resize(n);
   keyed_.resize(n);
+  ball_.resize(n);
   if (n == 0) return;
 
   smallest_ = *std::min_element(reach.begin(), reach.end());
@@ -78,25 +117,36 @@ void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> rea
       ring_.push_back(rings);
     }
 
+  constexpr std::int64_t far = std::numeric_limits<std::int64_t>::max() / 4;
+  std::vector<Cell> lowest(largest_.size(), Cell{far, far, far}), highest(largest_.size(), Cell{-far, -far, -far});
   for (std::size_t i = 0; i < n; ++i) {
     const int level = level_of(reach[i]);
-    keyed_[i] = {key(level, cell_of(level, 0, centre[i].x()), cell_of(level, 1, centre[i].y()),
-                     cell_of(level, 2, centre[i].z())),
-                 static_cast<std::int32_t>(i)};
+    const Cell at = cell_of(level, periodic_.wrapped(centre[i]));
+    keyed_[i] = {key(level, at[0], at[1], at[2]), static_cast<std::int32_t>(i)};
+    Cell &low = lowest[static_cast<std::size_t>(level)], &high = highest[static_cast<std::size_t>(level)];
+    for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
   }
   std::sort(keyed_.begin(), keyed_.end());
+  lay_out_grids(lowest, highest);
+  table_.clear();
 
-  mask_ = std::bit_ceil(2 * n) - 1;
-  table_.assign(mask_ + 1, Slot{});
   for (std::size_t first = 0; first < n;) {
     std::size_t last = first;
     while (last < n && keyed_[last].first == keyed_[first].first) {
+      const auto i = static_cast<std::size_t>(keyed_[last].second);
       order_[last] = keyed_[last].second;
+      ball_[last] = {periodic_.wrapped(centre[i]), reach[i]};
       ++last;
     }
-    std::size_t h = hash(keyed_[first].first);
-    while (table_[h].begin != table_[h].end) h = (h + 1) & mask_;
-    table_[h] = {keyed_[first].first, static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)};
+    const int level = level_of(ball_[first].reach);
+    const Ranks ranks{static_cast<std::int32_t>(first), static_cast<std::int32_t>(last)};
+    const Grid& grid = grid_[static_cast<std::size_t>(level)];
+    if (grid.sparse) {
+      enter(keyed_[first].first, ranks);
+    } else {
+      const Cell at = cell_of(level, ball_[first].centre);
+      dense_[grid.place(at[0], at[1], at[2])] = ranks;
+    }
     first = last;
   }
 }

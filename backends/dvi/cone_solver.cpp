@@ -119,7 +119,7 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     report.cycling = true;
     return report;
   }
-  unpack(packed, problem, impulse, velocity, angular_velocity);
+  unpack(packed, problem, impulse, velocity, angular_velocity, threads);
   report.converged = report.residual <= options.tolerance;
   return report;
 }

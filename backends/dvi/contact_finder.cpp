@@ -5,6 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "backends/dvi/resize.hpp"
 #include "backends/dvi/team.hpp"
 #include "core/periodic_body.hpp"
 
@@ -13,7 +14,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr std::size_t chunk_size = 256;  // bodies whose contacts are found by one thread at a time
-constexpr double resting_margin = 0.02;  // of the radius
+constexpr double resting_share = 0.02;  // of the radius
 constexpr double handed_on = 0.25;       // of the stir: how much of it a blow within the step may add to a pair
 
 }  // namespace
@@ -34,17 +35,16 @@ ContactFinder::ContactFinder(const Model& model, double unit)
     (body.dynamic ? dynamic_ : prescribed_).push_back(static_cast<std::int32_t>(i));
     const double scale = body.scale / unit;
     bound_.push_back(shape.bounding_radius * scale);
-    base_margin_.push_back(body.dynamic ? resting_margin * body.radius / unit
-                                        : std::numeric_limits<double>::infinity());
+    resting_margin_.push_back(body.dynamic ? resting_share * body.radius / unit
+                                           : std::numeric_limits<double>::infinity());
+    const auto* sphere = shape.parts.size() == 1 ? std::get_if<Sphere>(&shape.parts[0].primitive) : nullptr;
+    const bool centred = sphere != nullptr && shape.parts[0].pose.position.isZero(0);
+    sphere_.push_back(centred ? sphere->radius * scale : 0.0);
     for (const Part& part : shape.parts) {
       PlacedPart placed;
       placed.primitive.primitive = &part.primitive;
       placed.primitive.scale = scale;
       placed.bound = bounding_radius(part.primitive) * scale;
-      if (const auto* sphere = std::get_if<Sphere>(&part.primitive)) {
-        placed.is_sphere = true;
-        placed.radius = sphere->radius * scale;
-      }
       parts_.push_back(placed);
     }
     first_part_.push_back(static_cast<std::int32_t>(parts_.size()));
@@ -71,7 +71,9 @@ void ContactFinder::place_parts(const BodyPlacement& placement, int threads) {
       for (std::size_t k = 0; k < shape.parts.size(); ++k) {
         PlacedPrimitive& placed = parts_[static_cast<std::size_t>(first_part_[body]) + k].primitive;
         const Pose& pose = shape.parts[k].pose;
-        placed.position = placement.position[body] + placement.rotation[body] * (scale * pose.position);
+        placed.position = placement.position[body];
+        if (sphere_[body] > 0) continue;  // however it is turned
+        placed.position += placement.rotation[body] * (scale * pose.position);
         placed.rotation = placement.rotation[body] * pose.orientation.toRotationMatrix();
       }
     }
@@ -166,22 +168,36 @@ void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
     stir_[static_cast<std::size_t>(dynamic_[at])] = step * cells[cell_of[at]].stir;
 }
 
-double ContactFinder::pair_cohesion_range(std::int32_t a, std::int32_t b) const {
-  return cohesion_range_[static_cast<std::size_t>(model_.bodies[static_cast<std::size_t>(a)].material) *
-                             model_.materials.size() +
-                         static_cast<std::size_t>(model_.bodies[static_cast<std::size_t>(b)].material)];
+double ContactFinder::cohesion_range(const Candidate& a, const Candidate& b) const {
+  if (widest_cohesion_ == 0) return 0;
+  return cohesion_range_[static_cast<std::size_t>(a.material) * model_.materials.size() + static_cast<std::size_t>(b.material)];
 }
 
-double ContactFinder::slack(std::int32_t a, std::int32_t b) const {
-  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  return search_margin_ * (handed_on * std::max(stir_[i], stir_[j]) + std::min(base_margin_[i], base_margin_[j]));
+ContactFinder::Candidate ContactFinder::candidate(const BodyPlacement& placement, std::int32_t body) const {
+  const auto i = static_cast<std::size_t>(body);
+  Candidate c;
+  c.position = placement.position[i];
+  c.velocity = placement.velocity[i];
+  c.angular_velocity = placement.angular_velocity[i];
+  c.bound = bound_[i];
+  c.turning_speed = placement.turning_speed[i];
+  c.stir = stir_[i];
+  c.resting_margin = resting_margin_[i];
+  c.sphere = sphere_[i];
+  c.body = body;
+  c.material = model_.bodies[i].material;
+  c.present = present_[i] != 0;
+  c.gated = !model_.bodies[i].active.empty();
+  return c;
 }
 
-double ContactFinder::reach_of_pair(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b) const {
-  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  const double approach =
-      (placement.velocity[i] - placement.velocity[j]).norm() + placement.turning_speed[i] + placement.turning_speed[j];
-  return std::max(step * approach + slack(a, b), search_margin_ * pair_cohesion_range(a, b));
+void ContactFinder::place_candidates(const BodyPlacement& placement, int threads) {
+  candidate_.resize(order_.size());
+  on_team(threads, [&] {
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t rank = 0; rank < static_cast<std::ptrdiff_t>(order_.size()); ++rank)
+      candidate_[static_cast<std::size_t>(rank)] = candidate(placement, order_[static_cast<std::size_t>(rank)]);
+  });
 }
 
 template <class Search>
@@ -204,23 +220,23 @@ void ContactFinder::each_chunk(std::vector<Chunk>& chunks, std::size_t count, in
 }
 
 void ContactFinder::gather(const std::vector<Chunk>& chunks, std::vector<FoundContact>& out) {
+  std::size_t all = out.size();
+  for (const Chunk& chunk : chunks) all += chunk.found.size();
+  reserve_sparingly(out, all);
   for (const Chunk& chunk : chunks) out.insert(out.end(), chunk.found.begin(), chunk.found.end());
 }
 
 void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
+  std::vector<Candidate> tools;
+  for (std::int32_t tool : prescribed_)
+    if (present_[static_cast<std::size_t>(tool)]) tools.push_back(candidate(placement, tool));
   const std::size_t chunks = (dynamic_.size() + chunk_size - 1) / chunk_size;
   each_chunk(tool_chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
-    Chunk& chunk = tool_chunk_[number];
-    chunk.near.clear();
     const std::size_t first = number * chunk_size;
     for (std::size_t at = first; at < std::min(first + chunk_size, dynamic_.size()); ++at) {
-      const std::int32_t body = dynamic_[at];
-      if (!present_[static_cast<std::size_t>(body)]) continue;
-      for (std::int32_t tool : prescribed_)
-        if (present_[static_cast<std::size_t>(tool)]) {
-          collide_bodies(placement, step, body, tool, scratch, chunk.found);
-          chunk.near.push_back({body, tool});
-        }
+      const Candidate body = candidate(placement, dynamic_[at]);
+      if (!body.present) continue;
+      for (const Candidate& tool : tools) collide_bodies(body, tool, step, scratch, tool_chunk_[number].found);
     }
   });
   tool_contacts_.clear();
@@ -228,77 +244,84 @@ void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double st
 }
 
 Vec3 ContactFinder::image_shift(std::span<const Vec3> position, std::int32_t a, std::int32_t b) const {
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  return shift_between(position[i], position[j], a, b);
+}
+
+Vec3 ContactFinder::shift_between(const Vec3& from, const Vec3& to, std::int32_t a, std::int32_t b) const {
   if (!periodic_) return Vec3::Zero();
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  Vec3 shift = cell_.to_nearest(position[j] - position[i]);
+  Vec3 shift = cell_.to_nearest(to - from);
   for (int k = 0; k < 2; ++k)
     if ((endless_[i] | endless_[j]) >> k & 1) shift[k] = 0;
   return shift;
 }
 
-void ContactFinder::collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
-                                   std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const {
-  if (a > b) std::swap(a, b);
-  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-  const double margin = reach_of_pair(placement, step, a, b);
-  const double bodies_reach = bound_[i] + bound_[j] + margin;
-  Vec3 place_j = placement.position[j], shift = Vec3::Zero();
-  if (periodic_) {
-    shift = image_shift(placement.position, a, b);
-    place_j += shift;
-  }
-  const bool shifted = periodic_ && !shift.isZero(0);
-  if (std::isfinite(bodies_reach) && (place_j - placement.position[i]).squaredNorm() > bodies_reach * bodies_reach) return;
-  const double late = slack(a, b), cohesion = pair_cohesion_range(a, b);
-  const std::uint64_t bodies = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
-  const auto closes = [&](const ContactPoint& point) {
-    if (point.gap <= cohesion) return true;
-    const Vec3 u = placement.velocity[j] + placement.angular_velocity[j].cross(point.point - place_j) -
-                   placement.velocity[i] - placement.angular_velocity[i].cross(point.point - placement.position[i]);
-    return point.gap + step * point.normal.dot(u) <= late;
-  };
-  const auto gate_open = [&](const Body& body, double gap) {
-    return !body.active.empty() && gap < -body.gate_tolerance / unit_;
-  };
+template <class Keep>
+void ContactFinder::collide_parts(const Candidate& a, const Candidate& b, const Vec3& shift, double margin,
+                                  std::vector<ContactPoint>& scratch, Keep&& keep) const {
+  const auto i = static_cast<std::size_t>(a.body), j = static_cast<std::size_t>(b.body);
   for (std::int32_t p = first_part_[i]; p < first_part_[i + 1]; ++p)
     for (std::int32_t q = first_part_[j]; q < first_part_[j + 1]; ++q) {
       const PlacedPart& x = parts_[static_cast<std::size_t>(p)];
       const PlacedPart& y = parts_[static_cast<std::size_t>(q)];
-      PlacedPrimitive image;
-      if (shifted) {
-        image = y.primitive;
-        image.position += shift;
-      }
-      const PlacedPrimitive& other = shifted ? image : y.primitive;
-      const Vec3 d = other.position - x.primitive.position;
       const double reach = x.bound + y.bound + margin;
-      const double squared = d.squaredNorm();
-      if (squared > reach * reach) continue;
+      const Vec3 place = y.primitive.position + shift;
+      if ((place - x.primitive.position).squaredNorm() > reach * reach) continue;
       scratch.clear();
-      if (x.is_sphere && y.is_sphere) {
-        const double distance = std::sqrt(squared);
-        ContactPoint point;
-        point.normal = distance > 0 ? Vec3(d / distance) : Vec3::UnitZ();
-        point.gap = distance - (x.radius + y.radius);
-        point.point = x.primitive.position + (x.radius + 0.5 * point.gap) * point.normal;
-        if (point.gap <= margin) scratch.push_back(point);
+      if (shift.isZero(0)) {
+        collide(x.primitive, y.primitive, margin, scratch);
       } else {
-        collide(x.primitive, other, margin, scratch);
+        PlacedPrimitive image = y.primitive;
+        image.position = place;
+        collide(x.primitive, image, margin, scratch);
       }
-      const std::uint64_t part_pair =
+      const std::uint64_t parts =
           static_cast<std::uint64_t>(p - first_part_[i]) << 48 | static_cast<std::uint64_t>(q - first_part_[j]) << 32;
-      for (const ContactPoint& point : scratch) {
-        if (!closes(point) || gate_open(model_.bodies[i], point.gap) || gate_open(model_.bodies[j], point.gap))
-          continue;
-        out.push_back({{bodies, part_pair | point.feature}, point});
-      }
+      for (const ContactPoint& point : scratch) keep(point, parts);
     }
+}
+
+void ContactFinder::collide_bodies(const Candidate& x, const Candidate& y, double step, std::vector<ContactPoint>& scratch,
+                                   std::vector<FoundContact>& out) const {
+  const Candidate& a = x.body < y.body ? x : y;
+  const Candidate& b = x.body < y.body ? y : x;
+  const double slack =
+      search_margin_ * (handed_on * std::max(a.stir, b.stir) + std::min(a.resting_margin, b.resting_margin));
+  const double cohesion = cohesion_range(a, b);
+  const double approach = (a.velocity - b.velocity).norm() + a.turning_speed + b.turning_speed;
+  const double margin = std::max(step * approach + slack, search_margin_ * cohesion);
+  const Vec3 shift = shift_between(a.position, b.position, a.body, b.body);
+  const Vec3 place_b = b.position + shift, d = place_b - a.position;
+  const double reach = a.bound + b.bound + margin, squared = d.squaredNorm();
+  if (std::isfinite(reach) && squared > reach * reach) return;
+  const auto keep = [&](const ContactPoint& point, std::uint64_t parts) {
+    if (point.gap > cohesion) {
+      const Vec3 u = b.velocity + b.angular_velocity.cross(point.point - place_b) - a.velocity -
+                     a.angular_velocity.cross(point.point - a.position);
+      if (!(point.gap + step * point.normal.dot(u) <= slack)) return;
+    }
+    for (const Candidate* body : {&a, &b})
+      if (body->gated && point.gap < -model_.bodies[static_cast<std::size_t>(body->body)].gate_tolerance / unit_) return;
+    const std::uint64_t bodies = static_cast<std::uint64_t>(a.body) << 32 | static_cast<std::uint64_t>(b.body);
+    out.push_back({{bodies, parts | point.feature}, point});
+  };
+  if (a.sphere > 0 && b.sphere > 0) {
+    const double distance = std::sqrt(squared);
+    ContactPoint point;
+    point.normal = distance > 0 ? Vec3(d / distance) : Vec3::UnitZ();
+    point.gap = distance - (a.sphere + b.sphere);
+    point.point = a.position + (a.sphere + 0.5 * point.gap) * point.normal;
+    if (point.gap <= margin) keep(point, 0);
+  } else {
+    collide_parts(a, b, shift, margin, scratch, keep);
+  }
 }
 
 const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placement, double step, double search_margin,
                                                      int threads) {
   search_margin_ = search_margin;
-  present_ = placement.present;
+  present_.assign(placement.present.begin(), placement.present.end());
   place_parts(placement, threads);
   std::fill(stir_.begin(), stir_.end(), 0.0);  // what tools touch must not depend on the step before
   find_tool_contacts(placement, step, threads);
@@ -311,27 +334,28 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
     centre_.push_back(placement.position[body]);
     // The stir bounds the difference of any two velocities nearby, so this covers the reach of every pair.
     reach_.push_back(bound_[body] +
-                     search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + base_margin_[body],
+                     search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + resting_margin_[body],
                                               widest_cohesion_));
   }
   broad_.build(centre_, reach_, cell_);
   order_.clear();
   for (std::int32_t i : broad_.order()) order_.push_back(dynamic_[static_cast<std::size_t>(i)]);
 
+  place_candidates(placement, threads);
   const std::size_t chunks = (order_.size() + chunk_size - 1) / chunk_size;
   each_chunk(chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
     Chunk& chunk = chunk_[number];
     chunk.near.clear();
     const std::size_t first = number * chunk_size;
     for (std::size_t rank = first; rank < std::min(first + chunk_size, order_.size()); ++rank) {
-      const std::int32_t a = order_[rank];
-      if (!present_[static_cast<std::size_t>(a)]) continue;
-      broad_.partners(rank, [&](std::int32_t other) {
-        const std::int32_t b = dynamic_[static_cast<std::size_t>(other)];
-        if (!present_[static_cast<std::size_t>(b)]) return;
-        collide_bodies(placement, step, a, b, scratch, chunk.found);
+      const Candidate& a = candidate_[rank];
+      if (!a.present) continue;
+      broad_.partners(rank, [&](std::size_t other) {
+        const Candidate& b = candidate_[other];
+        if (!b.present) return;
+        collide_bodies(a, b, step, scratch, chunk.found);
         // A pair that falls side by side may meet all the same, by a blow that is handed on within the step.
-        chunk.near.push_back({a, b});
+        chunk.near.push_back({static_cast<std::int32_t>(rank), static_cast<std::int32_t>(other)});
       });
     }
   });
@@ -343,14 +367,15 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
 const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& placement, int threads) {
   place_parts(placement, threads);
   std::fill(stir_.begin(), stir_.end(), 0.0);
-  found_.clear();
-  for (std::vector<Chunk>* chunks : {&tool_chunk_, &chunk_}) {
-    each_chunk(*chunks, chunks->size(), threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
-      Chunk& chunk = (*chunks)[number];
-      for (const BodyPair& pair : chunk.near) collide_bodies(placement, 0, pair.a, pair.b, scratch, chunk.found);
-    });
-    gather(*chunks, found_);
-  }
+  find_tool_contacts(placement, 0, threads);
+  place_candidates(placement, threads);
+  each_chunk(chunk_, chunk_.size(), threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
+    Chunk& chunk = chunk_[number];
+    for (const auto& [a, b] : chunk.near)
+      collide_bodies(candidate_[static_cast<std::size_t>(a)], candidate_[static_cast<std::size_t>(b)], 0, scratch, chunk.found);
+  });
+  found_ = tool_contacts_;
+  gather(chunk_, found_);
   return found_;
 }
 

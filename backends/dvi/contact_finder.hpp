@@ -27,12 +27,12 @@ struct FoundContact {
 
 /// A model's bodies in the caller's unit of length: what the finder needs to know of the state.
 struct BodyPlacement {
-  std::vector<Vec3> position;  ///< of every body
-  std::vector<Mat3> rotation;
-  std::vector<Vec3> velocity;  ///< of every body after the forces of the step, without contacts
-  std::vector<Vec3> angular_velocity;
-  std::vector<double> turning_speed;  ///< bound on the speed of its points about its centre
-  std::vector<char> present;          ///< 0: the body does not exist at this time
+  std::span<const Vec3> position;  ///< of every body
+  std::span<const Mat3> rotation;
+  std::span<const Vec3> velocity;  ///< of every body after the forces of the step, without contacts
+  std::span<const Vec3> angular_velocity;
+  std::span<const double> turning_speed;  ///< bound on the speed of its points about its centre
+  std::span<const char> present;          ///< 0: the body does not exist at this time
 };
 
 class ContactFinder {
@@ -66,27 +66,38 @@ class ContactFinder {
   struct PlacedPart {
     PlacedPrimitive primitive;
     double bound = 0;  ///< radius of its ball, infinite for unbounded parts
-    bool is_sphere = false;
-    double radius = 0;  ///< if it is a sphere
   };
-
-  void place_parts(const BodyPlacement& placement, int threads);
-  void find_tool_contacts(const BodyPlacement& placement, double step, int threads);
-  void local_speeds(const BodyPlacement& placement, double step);
-  double pair_cohesion_range(std::int32_t a, std::int32_t b) const;
-  double slack(std::int32_t a, std::int32_t b) const;
-  double reach_of_pair(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b) const;
-  struct BodyPair {
-    std::int32_t a, b;
+  /// What the search asks of a body: side by side in memory, and for free bodies in spatial order, since most of the time goes
+  /// into fetching it.
+  struct Candidate {
+    Vec3 position, velocity, angular_velocity;
+    double bound = 0;          ///< radius of a ball about its position
+    double turning_speed = 0;
+    double stir = 0;           ///< largest difference of two velocities near it, times the step
+    double resting_margin = 0;
+    double sphere = 0;         ///< its radius if it is one sphere about its position, otherwise 0
+    std::int32_t body = 0, material = 0;
+    bool present = false, gated = false;
   };
   /// What one thread looks at and finds at a time.
   struct Chunk {
-    std::vector<BodyPair> near;  ///< pairs that any two velocities met nearby could bring together
+    std::vector<std::pair<std::int32_t, std::int32_t>> near;  ///< ranks that any two velocities met nearby could bring together
     std::vector<FoundContact> found;
   };
 
-  void collide_bodies(const BodyPlacement& placement, double step, std::int32_t a, std::int32_t b,
-                      std::vector<ContactPoint>& scratch, std::vector<FoundContact>& out) const;
+  Vec3 shift_between(const Vec3& from, const Vec3& to, std::int32_t a, std::int32_t b) const;
+  Candidate candidate(const BodyPlacement& placement, std::int32_t body) const;
+  void place_candidates(const BodyPlacement& placement, int threads);
+  void place_parts(const BodyPlacement& placement, int threads);
+  void find_tool_contacts(const BodyPlacement& placement, double step, int threads);
+  void local_speeds(const BodyPlacement& placement, double step);
+  double cohesion_range(const Candidate& a, const Candidate& b) const;
+  void collide_bodies(const Candidate& x, const Candidate& y, double step, std::vector<ContactPoint>& scratch,
+                      std::vector<FoundContact>& out) const;
+  /// Calls keep(point, part of a << 48 | part of b << 32) for the contact points of all parts, b's moved by `shift`.
+  template <class Keep>
+  void collide_parts(const Candidate& a, const Candidate& b, const Vec3& shift, double margin, std::vector<ContactPoint>& scratch,
+                     Keep&& keep) const;
   /// Runs `search(chunk number, scratch)` for `count` chunks of `chunks`.
   template <class Search>
   static void each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search);
@@ -101,8 +112,9 @@ class ContactFinder {
   std::vector<std::int32_t> first_part_;  ///< per body, plus the end
   std::vector<PlacedPart> parts_;
   std::vector<double> bound_;           ///< per body: ball about its position
-  std::vector<double> stir_;            ///< per body: largest difference of two velocities near it, times the step
-  std::vector<double> base_margin_;     ///< per body
+  std::vector<double> sphere_;          ///< per body: Candidate::sphere
+  std::vector<double> stir_;            ///< per body: Candidate::stir
+  std::vector<double> resting_margin_;  ///< per body
   std::vector<double> cohesion_range_;  ///< per pair of materials
   double widest_cohesion_ = 0;
   double search_margin_ = 1;
@@ -111,6 +123,7 @@ class ContactFinder {
   std::vector<Vec3> centre_;
   std::vector<double> reach_;
   std::vector<std::int32_t> order_;
+  std::vector<Candidate> candidate_;  ///< of the free bodies, by rank
   std::vector<Chunk> tool_chunk_, chunk_;
   std::vector<FoundContact> tool_contacts_, found_;
 };

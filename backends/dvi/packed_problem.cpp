@@ -182,15 +182,15 @@ void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& probl
 
 template <class Real>
 void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::span<Impulse> impulse,
-            std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity) {
-  for (std::size_t slot = 0; slot < packed.contact.size(); ++slot) {
-    if (packed.contact[slot] < 0) continue;
+            std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity, int threads) {
+  for_each_index(threads, packed.contact.size(), [&](std::size_t slot) {
+    if (packed.contact[slot] < 0) return;
     const Batch<Real>& batch = packed.batches[slot / PackedProblem<Real>::lanes];
     const auto lane = static_cast<int>(slot % PackedProblem<Real>::lanes);
     for (std::size_t k = 0; k < 6; ++k)
       impulse[static_cast<std::size_t>(packed.contact[slot])][k] = static_cast<double>(batch.impulse[k][lane]);
     impulse[static_cast<std::size_t>(packed.contact[slot])][2] *= problem.across;
-  }
+  });
   const auto apply = [&](std::int32_t body, const Vec3& force, const Vec3& torque) {
     if (body >= problem.dynamic_bodies) return;
     const auto i = static_cast<std::size_t>(body);
@@ -219,8 +219,8 @@ template PackedProblem<float> pack(const ConeProblem&, const Colouring&, std::sp
 template void accumulate_velocities(PackedProblem<double>&, const ConeProblem&, int);
 template void accumulate_velocities(PackedProblem<float>&, const ConeProblem&, int);
 template void unpack(const PackedProblem<double>&, const ConeProblem&, std::span<Impulse>, std::vector<Vec3>&,
-                     std::vector<Vec3>&);
+                     std::vector<Vec3>&, int);
 template void unpack(const PackedProblem<float>&, const ConeProblem&, std::span<Impulse>, std::vector<Vec3>&,
-                     std::vector<Vec3>&);
+                     std::vector<Vec3>&, int);
 
 }  // namespace repose::dvi

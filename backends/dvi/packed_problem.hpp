@@ -80,7 +80,7 @@ void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& probl
 /// `velocity` and `angular_velocity` come in as the free velocities.
 template <class Real>
 void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::span<Impulse> impulse,
-            std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity);
+            std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity, int threads);
 
 extern template struct PackedProblem<double>;
 extern template struct PackedProblem<float>;

@@ -1,5 +1,8 @@
 #pragma once
 /// A team of threads for a loop that is shared out by an `omp for` inside.
+#include <algorithm>
+#include <cstddef>
+#include <vector>
 
 namespace repose::dvi {
 
@@ -19,6 +22,28 @@ void on_team(int threads, Work&& work) {
   }
 #pragma omp parallel num_threads(threads)
   call(work);
+}
+
+/// work(i) for every i < n, in any order.
+template <class Work>
+void for_each_index(int threads, std::size_t n, Work&& work) {
+  on_team(threads, [&] {
+#pragma omp for schedule(static)
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(n); ++i) work(static_cast<std::size_t>(i));
+  });
+}
+
+/// Sum of term(i) over all i < n, added block by block: the same bits at any thread count.
+template <class Term>
+double sum_over(int threads, std::size_t n, Term&& term) {
+  constexpr std::size_t block = 1024;
+  std::vector<double> part((n + block - 1) / block);
+  for_each_index(threads, part.size(), [&](std::size_t j) {
+    for (std::size_t i = j * block; i < std::min((j + 1) * block, n); ++i) part[j] += term(i);
+  });
+  double sum = 0;
+  for (double p : part) sum += p;
+  return sum;
 }
 
 }  // namespace repose::dvi

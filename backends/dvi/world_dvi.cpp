@@ -6,7 +6,9 @@
 #include "backends/dvi/cone_solver.hpp"
 #include "backends/dvi/contact_finder.hpp"
 #include "backends/dvi/impact.hpp"
+#include "backends/dvi/resize.hpp"
 #include "backends/dvi/separation.hpp"
+#include "backends/dvi/team.hpp"
 #include "backends/dvi/touch.hpp"
 #include "backends/dvi/units.hpp"
 #include "backends/dvi/world_dvi_impulses.hpp"
@@ -37,6 +39,7 @@ class WorldDvi final : public World {
       const Body& body = model.bodies[i];
       mass_.push_back(body.mass / units_.mass);
       inertia_.push_back(body.inertia / (units_.mass * units_.length * units_.length));
+      bound_.push_back(model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale / units_.length);
       isotropic_.push_back(body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z());
     }
     if (n < worth_a_thread) options_.threads = 1;
@@ -65,7 +68,7 @@ class WorldDvi final : public World {
     const std::vector<FoundContact>& found = *all;
     build_problem(found, h);
     if (options_.warm_start)
-      last_.start(found, problem_, h, impulse_);
+      last_.start(found, problem_, h, options_.threads, impulse_);
     else
       impulse_.assign(found.size(), Impulse{});
     const ConeSolver solver = [this](const ConeProblem& problem, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
@@ -74,7 +77,7 @@ class WorldDvi final : public World {
                                             angular_after_);
     StepReport report = report_of(found, solved);
     report.left = asked - dt;
-    last_.keep(found, problem_, impulse_, h);
+    last_.keep(found, problem_, impulse_, h, options_.threads);
     if (second_order()) find_smooth(found, h);
     advance(h);
     time_ += dt;
@@ -146,9 +149,9 @@ class WorldDvi final : public World {
     free_velocity_ = velocity_;
     free_angular_ = angular_;
     const double torque_unit = units_.force() * units_.length;
-    for (std::size_t i = 0; i < n; ++i) {
+    for_each_index(options_.threads, n, [&](std::size_t i) {
       rotation_[i] = orientation_[i].toRotationMatrix();
-      if (!model_.bodies[i].dynamic) continue;
+      if (!model_.bodies[i].dynamic) return;
       const double damping = h * loads.linear_damping[i] / (units_.mass / units_.time);
       const double ahead = second_order() && damping < mass_[i] ? 0.5 * damping : damping;  // the rest acts on the velocity before
       const double damped = mass_[i] + ahead;
@@ -163,29 +166,23 @@ class WorldDvi final : public World {
       inverse_[i].mass = 1 / damped;
       const Mat3 world = isotropic_[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
       inverse_[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
-    }
+    });
   }
 
-  BodyPlacement placement(const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular_velocity) const {
-    BodyPlacement p;
-    p.position = position_;
-    p.rotation = rotation_;
-    p.velocity = velocity;
-    p.angular_velocity = angular_velocity;
+  /// The bodies where they are, with these velocities.
+  BodyPlacement placement(const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular_velocity) {
     const std::size_t n = model_.bodies.size();
-    p.turning_speed.resize(n);
-    p.present.resize(n);
+    turning_speed_.resize(n);
+    present_.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Body& body = model_.bodies[i];
       if (body.dynamic && !(velocity[i].allFinite() && angular_velocity[i].allFinite())) fail(i);
-      const double radius =
-          model_.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale / units_.length;
       // Unbounded bodies that turn (a half-space) have no largest speed; near the others they move like their origin.
       const double turning = angular_velocity[i].norm();
-      p.turning_speed[i] = turning > 0 && std::isfinite(radius) ? turning * radius : 0.0;
-      p.present[i] = body.exists_at(time_) ? 1 : 0;
+      turning_speed_[i] = turning > 0 && std::isfinite(bound_[i]) ? turning * bound_[i] : 0.0;
+      present_[i] = body.exists_at(time_) ? 1 : 0;
     }
-    return p;
+    return {position_, rotation_, velocity, angular_velocity, turning_speed_, present_};
   }
 
   [[noreturn]] void fail(std::size_t body) const {
@@ -264,10 +261,10 @@ class WorldDvi final : public World {
       problem_.velocity[s] = free_velocity_[body];
       problem_.angular_velocity[s] = free_angular_[body];
     }
-    problem_.contacts.resize(found.size());
-    impact_.resize(found.size());
+    resize_sparingly(problem_.contacts, found.size());
+    resize_sparingly(impact_, found.size());
     laws_.begin(problem_);
-    for (std::size_t i = 0; i < found.size(); ++i) {
+    for_each_index(laws_.any() ? 1 : options_.threads, found.size(), [&](std::size_t i) {
       const auto a = static_cast<std::size_t>(found[i].id.a()), b = static_cast<std::size_t>(found[i].id.b());
       const Body& body_a = model_.bodies[a];
       const Body& body_b = model_.bodies[b];
@@ -292,7 +289,7 @@ class WorldDvi final : public World {
       const Vec3 before = velocity_[b] + angular_[b].cross(c.arm_b) - velocity_[a] - angular_[a].cross(c.arm_a);
       impact_[i].before = c.normal.dot(before);
       if (laws_.any()) laws_.apply(problem_, c, impact_[i], before, h);
-    }
+    });
   }
 
   StepReport report_of(const std::vector<FoundContact>& found, const SolveReport& solved) const {
@@ -305,13 +302,14 @@ class WorldDvi final : public World {
     double depth = 0;
     for (const FoundContact& contact : found) depth = std::max(depth, -contact.point.gap);
     report.penetration = depth * units_.length;
-    double work = 0;
-    for (std::size_t i = 0; i < found.size(); ++i) {
+    const double work = sum_over(options_.threads, found.size(), [&](std::size_t i) {
       const ConeContact& c = problem_.contacts[i];
       const Impulse free = relative_velocity(c, problem_.velocity, problem_.angular_velocity);
       const Impulse after = relative_velocity(c, velocity_after_, angular_after_);
-      for (std::size_t k = 0; k < 6; ++k) work += 0.5 * impulse_[i][k] * (free[k] + after[k]);
-    }
+      double sum = 0;
+      for (std::size_t k = 0; k < 6; ++k) sum += 0.5 * impulse_[i][k] * (free[k] + after[k]);
+      return sum;
+    });
     report.contact_work = work * units_.energy();
     return report;
   }
@@ -327,25 +325,26 @@ class WorldDvi final : public World {
   bool push_overlaps_apart() {
     const std::size_t n = model_.bodies.size();
     resting_.assign(n, Vec3::Zero());
-    for (std::size_t i = 0; i < n; ++i) rotation_[i] = orientation_[i].toRotationMatrix();
+    for_each_index(options_.threads, n, [&](std::size_t i) { rotation_[i] = orientation_[i].toRotationMatrix(); });
     const std::vector<FoundContact>& found =
         finder_.find_again(placement(resting_, resting_), options_.threads);
     double deepest = 0;  // over R*
     for (const FoundContact& contact : found) deepest = std::max(deepest, -contact.point.gap / arm_of(contact));
     if (deepest <= penetration_slop) return false;
-    overlap_.dynamic_bodies = static_cast<std::int32_t>(n);
-    overlap_.velocity.assign(n, Vec3::Zero());
-    overlap_.inverse_mass.assign(n, {});
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!model_.bodies[i].dynamic) continue;
-      overlap_.inverse_mass[i].mass = 1 / mass_[i];
+    // The contact problem of this step has been solved and told: its room serves again.
+    problem_.dynamic_bodies = static_cast<std::int32_t>(n);
+    problem_.velocity.assign(n, Vec3::Zero());
+    problem_.inverse_mass.assign(n, {});
+    for_each_index(options_.threads, n, [&](std::size_t i) {
+      if (!model_.bodies[i].dynamic) return;
+      problem_.inverse_mass[i].mass = 1 / mass_[i];
       const Mat3 world = rotated(rotation_[i], inertia_[i].cwiseInverse());
-      overlap_.inverse_mass[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
-    }
-    overlap_.contacts.resize(found.size());
-    gap_.resize(found.size());
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      ConeContact& c = overlap_.contacts[i];
+      problem_.inverse_mass[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
+    });
+    resize_sparingly(problem_.contacts, found.size());
+    resize_sparingly(gap_, found.size());
+    for_each_index(options_.threads, found.size(), [&](std::size_t i) {
+      ConeContact& c = problem_.contacts[i];
       c.a = found[i].id.a();
       c.b = found[i].id.b();
       c.normal = found[i].point.normal;
@@ -353,13 +352,14 @@ class WorldDvi final : public World {
       c.arm_b = found[i].point.point - place_beside(found[i].id);
       c.arm = arm_of(found[i]);
       gap_[i] = found[i].point.gap;
-    }
-    push_apart(overlap_, gap_, penetration_slop, displacement_);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!model_.bodies[i].dynamic) continue;
-      position_[i] += displacement_[i].shift;
-      turn_body(i, displacement_[i].turn);
-    }
+    });
+    push_apart(problem_, gap_, penetration_slop, displacement_);
+    for_each_index(options_.threads, n, [&](std::size_t i) {
+      const Displacement& pushed = displacement_[i];
+      if (!model_.bodies[i].dynamic || (pushed.shift.isZero(0) && pushed.turn.isZero(0))) return;
+      position_[i] += pushed.shift;
+      turn_body(i, pushed.turn);
+    });
     return deepest > 10 * penetration_slop;
   }
 
@@ -408,12 +408,13 @@ class WorldDvi final : public World {
   /// Symplectic Euler; in second order the mean of the velocities at both ends, and the spin half way.
   void advance(double h) {
     const auto dynamic = static_cast<std::size_t>(problem_.dynamic_bodies);
-    for (std::size_t slot = 0; slot < dynamic; ++slot) {
+    for (std::size_t slot = 0; slot < dynamic; ++slot)
+      if (!velocity_after_[slot].allFinite() || !angular_after_[slot].allFinite()) fail(static_cast<std::size_t>(body_of_slot_[slot]));
+    for_each_index(options_.threads, dynamic, [&](std::size_t slot) {
       const auto body = static_cast<std::size_t>(body_of_slot_[slot]);
       const Vec3 before = velocity_[body], spin_before = angular_[body];
       velocity_[body] = velocity_after_[slot];
       angular_[body] = angular_after_[slot];
-      if (!velocity_[body].allFinite() || !angular_[body].allFinite()) fail(body);
       if (second_order() && smooth_[body] != 0) {
         position_[body] += 0.5 * h * (before + velocity_[body]);
         const Vec3 gained = angular_[body] - spin_before;  // by torques: half of it acts on average
@@ -422,7 +423,7 @@ class WorldDvi final : public World {
         position_[body] += h * velocity_[body];
         turn_body(body, h * angular_[body]);
       }
-    }
+    });
     // Prescribed bodies are shown where they will be at the end of the step.
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
       if (model_.bodies[i].dynamic) continue;
@@ -440,6 +441,7 @@ class WorldDvi final : public World {
   ContactLaws laws_;
   std::vector<double> mass_;
   std::vector<Vec3> inertia_;
+  std::vector<double> bound_;  // radius of a ball about the position
   std::vector<char> isotropic_;
 
   // State, in the world's own units; by body.
@@ -452,6 +454,8 @@ class WorldDvi final : public World {
   std::vector<Mat3> rotation_;
   std::vector<InverseMass> inverse_;
   std::vector<Vec3> free_velocity_, free_angular_;
+  std::vector<double> turning_speed_;
+  std::vector<char> present_;
   std::vector<std::int32_t> slot_, body_of_slot_;
   ConeProblem problem_;
   std::vector<ImpactData> impact_;
@@ -462,7 +466,6 @@ class WorldDvi final : public World {
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
   std::vector<Vec3> resting_;  // zeros
-  ConeProblem overlap_;
   std::vector<double> gap_;
   std::vector<Displacement> displacement_;
 };

@@ -1,7 +1,10 @@
 #include "backends/dvi/world_dvi_impulses.hpp"
 
 #include <algorithm>
-#include <unordered_map>
+#include <bit>
+
+#include "backends/dvi/resize.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -9,33 +12,45 @@ namespace {
 
 constexpr double longest_ratio = 10;  // of steps
 
+std::size_t hash(const ContactId& id) {
+  const std::uint64_t mixed = (id.bodies ^ id.features * 0xff51afd7ed558ccdull) * 0x9e3779b97f4a7c15ull;
+  return static_cast<std::size_t>(mixed ^ mixed >> 32);
+}
+
 }  // namespace
 
-void LastImpulses::keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step) {
+void LastImpulses::keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step,
+                        int threads) {
   step_ = step;
-  kept_.resize(found.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
+  resize_sparingly(kept_, found.size());
+  for_each_index(threads, found.size(), [&](std::size_t i) {
     const ConeContact& c = problem.contacts[i];
     const Impulse& g = impulse[i];
     Vec3 t1, t2;
     contact_frame(c, t1, t2);
     kept_[i] = {found[i].id, g[0] * c.normal + g[1] * t1 + g[2] * t2, c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal), found[i].point};
-  }
+  });
 }
 
-void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem& problem, double step, std::vector<Impulse>& impulse) const {
+void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem& problem, double step, int threads,
+                         std::vector<Impulse>& impulse) const {
+  reserve_sparingly(impulse, found.size());
   impulse.assign(found.size(), Impulse{});
   if (kept_.empty() || step > longest_ratio * step_) return;
-  std::unordered_map<std::uint64_t, std::size_t> first;
-  first.reserve(kept_.size());
-  for (std::size_t i = 0; i < kept_.size(); ++i) first.try_emplace(kept_[i].id.bodies, i);
+  // A table of places, probed one after another; contacts come in nearly the order of the last step.
+  constexpr std::uint32_t none = ~std::uint32_t{0};
+  const std::size_t mask = std::bit_ceil(2 * kept_.size()) - 1;
+  std::vector<std::uint32_t> table(mask + 1, none);
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    std::size_t at = hash(kept_[k].id) & mask;
+    while (table[at] != none) at = (at + 1) & mask;
+    table[at] = static_cast<std::uint32_t>(k);
+  }
   const double ratio = step / step_;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto at = first.find(found[i].id.bodies);
-    if (at == first.end()) continue;
-    // The contacts of one pair stand together.
-    for (std::size_t k = at->second; k < kept_.size() && kept_[k].id.bodies == found[i].id.bodies; ++k) {
-      if (kept_[k].id.features != found[i].id.features) continue;
+  for_each_index(threads, found.size(), [&](std::size_t i) {
+    for (std::size_t at = hash(found[i].id) & mask; table[at] != none; at = (at + 1) & mask) {
+      const std::size_t k = table[at];
+      if (!(kept_[k].id == found[i].id)) continue;
       const ConeContact& c = problem.contacts[i];
       Vec3 t1, t2;
       contact_frame(c, t1, t2);
@@ -44,11 +59,12 @@ void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem&
       impulse[i] = {std::max(c.normal.dot(force), -c.cohesion), t1.dot(force), t2.dot(force), t1.dot(couple), t2.dot(couple), c.normal.dot(couple)};
       break;
     }
-  }
+  });
 }
 
 void LastImpulses::read(std::vector<Contact>& contacts, const Units& units) const {
   contacts.clear();
+  reserve_sparingly(contacts, kept_.size());
   for (const Kept& kept : kept_) {
     Contact contact;
     contact.a = kept.id.a();

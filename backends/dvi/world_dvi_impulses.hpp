@@ -13,11 +13,12 @@ namespace repose::dvi {
 class LastImpulses {
  public:
   /// Those of a step of `step` [units.time]: one impulse for each contact found and of the problem.
-  void keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step);
+  void keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step, int threads);
 
   /// First impulses of a step of `step`: those of the same contacts one step ago, in proportion to the steps. Zero where the step
   /// before was a tenth or less: a blow tells nothing of what follows.
-  void start(std::span<const FoundContact> found, const ConeProblem& problem, double step, std::vector<Impulse>& impulse) const;
+  void start(std::span<const FoundContact> found, const ConeProblem& problem, double step, int threads,
+             std::vector<Impulse>& impulse) const;
 
   void read(std::vector<Contact>& contacts, const Units& units) const;
   void save(Frame& frame, const Units& units) const;

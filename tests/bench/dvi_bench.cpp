@@ -86,18 +86,20 @@ struct Case {
 ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinder& finder, std::vector<ContactId>& ids) {
   const Units units = units_of(model);
   const double h = step / units.time;
-  BodyPlacement placement;
+  std::vector<Vec3> position, velocity, angular_velocity;
+  std::vector<Mat3> rotation;
+  std::vector<double> turning_speed;
+  const std::vector<char> present(model.bodies.size(), 1);
   const Vec3 fall = h * model.gravity * (units.time * units.time / units.length);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    placement.position.push_back(state.position[i] / units.length);
-    placement.rotation.push_back(state.orientation[i].toRotationMatrix());
-    placement.velocity.push_back(state.velocity[i] / units.velocity() + (model.bodies[i].dynamic ? fall : Vec3::Zero()));
-    placement.angular_velocity.push_back(state.angular_velocity[i] * units.time);
-    const double turning = placement.angular_velocity.back().norm() * radius / units.length;
-    placement.turning_speed.push_back(model.bodies[i].dynamic ? turning : 0.0);
-    placement.present.push_back(1);
+    position.push_back(state.position[i] / units.length);
+    rotation.push_back(state.orientation[i].toRotationMatrix());
+    velocity.push_back(state.velocity[i] / units.velocity() + (model.bodies[i].dynamic ? fall : Vec3::Zero()));
+    angular_velocity.push_back(state.angular_velocity[i] * units.time);
+    const double turning = angular_velocity.back().norm() * radius / units.length;
+    turning_speed.push_back(model.bodies[i].dynamic ? turning : 0.0);
   }
-  const std::vector<FoundContact>& found = finder.find(placement, h, 1.0, 1);
+  const std::vector<FoundContact>& found = finder.find({position, rotation, velocity, angular_velocity, turning_speed, present}, h, 1.0, 1);
   ConeProblem problem;
   std::vector<std::int32_t> slot(model.bodies.size());
   const auto add = [&](std::size_t body) {
@@ -109,8 +111,8 @@ ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinde
       m.inertia = {inertia, 0, 0, inertia, 0, inertia};
     }
     problem.inverse_mass.push_back(m);
-    problem.velocity.push_back(placement.velocity[body]);
-    problem.angular_velocity.push_back(placement.angular_velocity[body]);
+    problem.velocity.push_back(velocity[body]);
+    problem.angular_velocity.push_back(angular_velocity[body]);
   };
   for (std::int32_t body : finder.order()) add(static_cast<std::size_t>(body));
   problem.dynamic_bodies = static_cast<std::int32_t>(problem.velocity.size());
@@ -124,8 +126,8 @@ ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinde
     c.a = slot[a];
     c.b = slot[b];
     c.normal = f.point.normal;
-    c.arm_a = f.point.point - placement.position[a];
-    c.arm_b = f.point.point - placement.position[b];
+    c.arm_a = f.point.point - position[a];
+    c.arm_b = f.point.point - position[b];
     c.bias = std::max(0.0, f.point.gap) / h;
     c.friction = law.friction;
     c.rolling = law.rolling_friction;

@@ -15,8 +15,9 @@ Pairs found(const std::vector<Vec3>& x, const std::vector<double>& r, const Peri
   broad.build(x, r, cell);
   Pairs pairs;
   for (std::size_t rank = 0; rank < x.size(); ++rank)
-    broad.partners(rank, [&](std::int32_t j) {
-      const int i = broad.order()[rank];
+    broad.partners(rank, [&](std::size_t other) {
+      EXPECT_GT(other, rank);
+      const int i = broad.order()[rank], j = broad.order()[other];
       const bool is_new = pairs.insert({std::min(i, j), std::max(i, j)}).second;
       EXPECT_TRUE(is_new) << "pair " << i << ", " << j << " came twice";
     });

@@ -230,16 +230,16 @@ struct Grain {
   Quat turn;
 };
 
-dvi::BodyPlacement at_rest(const Model& model) {
-  dvi::BodyPlacement p;
+/// The contacts of a model's first state at rest.
+std::vector<dvi::FoundContact> contacts_at_rest(const Model& model) {
   const std::size_t n = model.bodies.size();
-  p.position = model.initial.position;
-  for (const Quat& q : model.initial.orientation) p.rotation.push_back(q.toRotationMatrix());
-  p.velocity.assign(n, Vec3::Zero());
-  p.angular_velocity.assign(n, Vec3::Zero());
-  p.turning_speed.assign(n, 0.0);
-  p.present.assign(n, 1);
-  return p;
+  std::vector<Mat3> rotation;
+  for (const Quat& q : model.initial.orientation) rotation.push_back(q.toRotationMatrix());
+  const std::vector<Vec3> still(n, Vec3::Zero());
+  const std::vector<double> turning(n, 0.0);
+  const std::vector<char> present(n, 1);
+  dvi::ContactFinder finder(model, 1);
+  return finder.find({model.initial.position, rotation, still, still, turning, present}, 0, 1, 1);
 }
 
 using Touch = std::pair<int, int>;
@@ -276,15 +276,14 @@ TEST(PeriodicContacts, AreThoseAmongAllImages) {
       for (int b = -1; b <= 1; ++b)
         if ((a || b) && (b == 0 || cell.along(1))) copy({a * cell.length(0), b * cell.length(1), 0});
     const Model inside = wrapped.build(), outside = open.build();
-    dvi::ContactFinder finder(inside, 1), oracle(outside, 1);
     const auto key = [](int a, int b) { return Touch{std::min(a, b), std::max(a, b)}; };
     std::map<Touch, double> got, wanted;  // the smallest gap of each pair
     const auto keep = [](std::map<Touch, double>& table, const Touch& pair, double gap) {
       const auto at = table.try_emplace(pair, gap).first;
       at->second = std::min(at->second, gap);
     };
-    for (const dvi::FoundContact& c : finder.find(at_rest(inside), 0, 1, 1)) keep(got, key(c.id.a(), c.id.b()), c.point.gap);
-    for (const dvi::FoundContact& c : oracle.find(at_rest(outside), 0, 1, 1)) {
+    for (const dvi::FoundContact& c : contacts_at_rest(inside)) keep(got, key(c.id.a(), c.id.b()), c.point.gap);
+    for (const dvi::FoundContact& c : contacts_at_rest(outside)) {
       if (c.id.a() > originals) continue;  // one of the two in the cell is enough
       keep(wanted, key(image_of[std::size_t(c.id.a())], image_of[std::size_t(c.id.b())]), c.point.gap);
       across += c.id.b() > originals;
