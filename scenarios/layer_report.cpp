@@ -28,6 +28,7 @@ std::optional<Picture> bed_picture(const LayerReportInput& in) {
   RenderOptions options;
   options.threads = in.options.threads;
   options.hide = {"side_left", "side_right"};
+  options.by_population = true;  // where the grains of the pile go
   options.caption = fmt::format("t = {:.4f} s, lowest line of the spreader at x = {:.2f} mm", frame.time, x_at(frame) * mm);
   FrameOptions view;
   view.hide = options.hide;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "analysis/render/render.hpp"
 #include "analysis/report/film.hpp"
@@ -28,7 +30,7 @@ struct ViewOptions {
   long frame = -1;   ///< -1: the last
   double time = -1;  ///< [s]; < 0: not given
   bool film = false;
-  std::string view = "iso", only, format;
+  std::string view = "iso", only, colour, format;
   std::vector<std::string> hide;
   int width = 0, height = 0;  ///< 0: chosen
   int frames = 150;
@@ -50,6 +52,8 @@ void add_options(CLI::App& app, ViewOptions& o) {
       ->check(CLI::IsMember({"iso", "side", "top"}));
   app.add_option("--azimuth", o.azimuth_deg, "turns the eye about z [degrees]");
   app.add_option("--only", o.only, "draw only the grains of this shape")->type_name("SHAPE");
+  app.add_option("--colour", o.colour, "what the colours of grains tell: shape, or population (default if only that differs)")
+      ->check(CLI::IsMember({"shape", "population"}));
   app.add_option("--hide", o.hide, "bodies and tools that are not drawn")->type_name("NAME");
   app.add_option("--format", o.format, "png; with --film also html or mp4 (default: html, and mp4 if possible)")
       ->check(CLI::IsMember({"png", "html", "mp4"}));
@@ -71,7 +75,19 @@ std::size_t recorded_frames(const std::filesystem::path& run) {
   return count;
 }
 
-RenderOptions picture_of(const ViewOptions& view, const Options& options, double time) {
+/// Shapes tell nothing where all grains have the same and several populations are mixed.
+bool only_populations_differ(const Model& model) {
+  std::set<std::string> shapes;
+  std::set<int> populations;
+  for (const Body& body : model.bodies) {
+    if (body.role != BodyRole::grain) continue;
+    shapes.insert(model.shapes[static_cast<std::size_t>(body.shape)].kind);
+    populations.insert(body.name);
+  }
+  return shapes.size() == 1 && populations.size() > 1;
+}
+
+RenderOptions picture_of(const ViewOptions& view, const Options& options, const Model& model, double time) {
   RenderOptions picture;
   picture.width = view.width;
   picture.height = view.height;
@@ -79,6 +95,7 @@ RenderOptions picture_of(const ViewOptions& view, const Options& options, double
   picture.threads = options.threads;
   picture.hide = view.hide;
   picture.only = view.only;
+  picture.by_population = view.colour == "population" || (view.colour.empty() && only_populations_differ(model));
   picture.caption = fmt::format("t = {:.4g} s", time);
   return picture;
 }
@@ -129,7 +146,7 @@ int still(ViewOptions view, const Options& options) {
   std::size_t number = 0;
   const Snapshot& state = chosen_frame(run.frames, view, number);
   const Camera camera = frame_scene(run.model, state, framing_of(view));
-  const Image image = render(run.model, state, camera, picture_of(view, options, state.time));
+  const Image image = render(run.model, state, camera, picture_of(view, options, run.model, state.time));
   std::filesystem::create_directories(options.out);
   const std::filesystem::path file = options.out / (last ? "view.png" : fmt::format("view-{:06}.png", number));
   write_png(file, image);
@@ -176,7 +193,7 @@ int film(ViewOptions view, const Options& options) {
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     if (interrupted()) return exit_status::interrupted;
     const Snapshot& state = run.frames[i];
-    const Image image = render(run.model, state, camera, picture_of(view, options, state.time));
+    const Image image = render(run.model, state, camera, picture_of(view, options, run.model, state.time));
     if (page) frames.push_back({state.time, encode_jpeg(image, 82)});
     if (stills) write_png(options.out / fmt::format("film-{:06}.png", i), image);
     if (writer) writer->add(image);
@@ -205,7 +222,7 @@ int main(int argc, char** argv) {
   ViewOptions view;
   const CommandInfo info{
       "view",
-      "Pictures and films of a recorded run: grains coloured by shape, with shadows and a scale bar.",
+      "Pictures and films of a recorded run: grains coloured by shape or population, with shadows and a scale bar.",
       "repose view out/aor/run.h5\n"
       "repose view out/aor/run.h5 --view side --time 0.2 --hide funnel\n"
       "repose view out/aor/run.h5 --film --frames 100",

@@ -21,12 +21,12 @@ double em(const Image& image) {
   return std::max(10.0, std::min(image.width / 1.5, static_cast<double>(image.height)) / 42);
 }
 
-void draw_sample(Image& image, const Shape& shape, int left, int top, int size) {
+void draw_sample(Image& image, const Shape& shape, const Vec3& body_colour, int left, int top, int size) {
   Camera camera;
   camera.eye = Vec3(0, -4, 1.4);
   const CameraAxes axes = camera_axes(camera);
   const Light light = light_for(axes);
-  const Stage stage = build_sample(shape);
+  const Stage stage = build_sample(shape, body_colour);
   constexpr int samples = 16;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x) {
@@ -81,14 +81,14 @@ void draw_legend(Image& image, const std::vector<LegendEntry>& entries) {
   const double icon_gap = 0.4 * size, count_gap = 0.45 * size, item_gap = 1.5 * size;
   struct Item {
     std::string name, count;
-    const Shape* shape;
+    const LegendEntry* entry;
     double width, x, y;
   };
   std::vector<Item> items;
   std::size_t total = 0;
   for (const LegendEntry& e : entries) {
     total += e.count;
-    Item item{shape_label(e.kind), grouped(e.count), e.shape, 0, 0, 0};
+    Item item{e.label, grouped(e.count), &e, 0, 0, 0};
     item.width = icon + icon_gap + type.width(item.name, size) + count_gap + type.width(item.count, size);
     items.push_back(std::move(item));
   }
@@ -110,14 +110,14 @@ void draw_legend(Image& image, const std::vector<LegendEntry>& entries) {
   for (const Item& item : items) {
     double pen = border + pad + item.x;
     const double top = border + 0.3 * pad + item.y, base = top + 0.5 * row + 0.36 * size;
-    if (item.shape) {
-      draw_sample(image, *item.shape, static_cast<int>(pen), static_cast<int>(top + 0.5 * (row - icon)),
+    if (item.entry) {
+      draw_sample(image, *item.entry->shape, item.entry->colour, static_cast<int>(pen), static_cast<int>(top + 0.5 * (row - icon)),
                   static_cast<int>(icon));
       pen += icon + icon_gap;
     }
-    type.draw(image, pen, base, item.shape ? item.name : item.count, size, ink);
-    pen += type.width(item.shape ? item.name : item.count, size) + count_gap;
-    type.draw(image, pen, base, item.shape ? item.count : item.name, size, item.shape ? faint_ink : ink);
+    type.draw(image, pen, base, item.entry ? item.name : item.count, size, ink);
+    pen += type.width(item.entry ? item.name : item.count, size) + count_gap;
+    type.draw(image, pen, base, item.entry ? item.count : item.name, size, item.entry ? faint_ink : ink);
   }
 }
 

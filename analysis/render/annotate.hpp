@@ -9,13 +9,14 @@
 namespace repose {
 
 struct LegendEntry {
-  std::string kind;  ///< shape kind
+  std::string label;
   const Shape* shape = nullptr;
+  Vec3 colour = Vec3::Zero();  ///< linear RGB
   std::size_t count = 0;
   bool grains = false;  ///< else bodies of other kinds
 };
 
-/// Along the top: how many grains in all; then a small picture of each shape, its name, how many there are.
+/// Along the top: how many grains in all; then a small picture of each kind, its name, how many there are.
 void draw_legend(Image& image, const std::vector<LegendEntry>& entries);
 
 /// Bottom right: a bar of a round length, with its label. `pixel` is the size of a pixel [m].

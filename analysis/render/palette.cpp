@@ -40,6 +40,11 @@ Vec3 shape_colour(std::string_view kind) {
   return linear_rgb(0xb9a98c);
 }
 
+Vec3 population_colour(std::size_t number) {
+  constexpr std::array<std::size_t, 7> order{0, 2, 4, 1, 6, 3, 5};  // far apart first
+  return linear_rgb(colours[order[number % order.size()]].second);
+}
+
 Vec3 tool_colour() { return linear_rgb(0x9aa0a6); }
 
 std::string shape_label(std::string_view kind) {

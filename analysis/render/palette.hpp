@@ -11,6 +11,9 @@ namespace repose {
 /// source study; the other four from the palette of Okabe & Ito (2008), which colour-blind people can tell apart.
 Vec3 shape_colour(std::string_view kind);
 
+/// The colour of the grains of the number-th population, linear RGB: white, orange, blue, and so on in the palette above.
+Vec3 population_colour(std::size_t number);
+
 /// The neutral grey of tools, linear RGB.
 Vec3 tool_colour();
 

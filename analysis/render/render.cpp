@@ -7,10 +7,10 @@
 #include <map>
 
 #include "analysis/render/annotate.hpp"
+#include "analysis/render/grain_colours.hpp"
 #include "analysis/render/palette.hpp"
 #include "analysis/render/stage.hpp"
 #include "core/error.hpp"
-#include "core/grain_shape.hpp"
 
 namespace repose {
 namespace {
@@ -44,25 +44,23 @@ void check(const Model& model, const Snapshot& snapshot, const RenderOptions& op
   fail("nothing that moves has the shape '" + options.only + "'", "choose one of: " + kinds);
 }
 
-/// Kinds in the order of the seven grain shapes, then the rest by name.
+/// In the order of the grain shapes or of the populations, then the rest by name.
 std::vector<LegendEntry> legend_entries(const Model& model, double time, const RenderOptions& options) {
-  std::map<std::string, LegendEntry> found;
+  const GrainColours colours(model, options.by_population);
+  std::map<std::pair<std::size_t, std::string>, LegendEntry> found;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (!model.bodies[i].dynamic || !is_drawn(model, i, time, options)) continue;
-    const Shape& shape = model.shapes[static_cast<std::size_t>(model.bodies[i].shape)];
-    LegendEntry& entry = found[shape.kind];
-    entry.kind = shape.kind;
-    if (!entry.shape) entry.shape = &shape;
+    LegendEntry& entry = found[{colours.rank(i), colours.label(i)}];
+    if (!entry.shape) {
+      entry.label = colours.label(i);
+      entry.shape = &model.shapes[static_cast<std::size_t>(model.bodies[i].shape)];
+      entry.colour = colours.colour(i);
+    }
     entry.grains = model.bodies[i].role == BodyRole::grain;
     ++entry.count;
   }
   std::vector<LegendEntry> entries;
-  for (const std::string& kind : grain_shape_names())
-    if (const auto it = found.find(kind); it != found.end()) {
-      entries.push_back(it->second);
-      found.erase(it);
-    }
-  for (const auto& [kind, entry] : found) entries.push_back(entry);
+  for (const auto& [place, entry] : found) entries.push_back(entry);
   return entries;
 }
 

@@ -16,14 +16,15 @@ struct RenderOptions {
   int threads = 0;                  ///< 0: all; never changes a byte
   std::vector<std::string> hide;    ///< names of bodies and tools that are not drawn
   std::string only;                 ///< if not empty: of the bodies that move, only those of this shape kind
-  bool legend = true;               ///< shapes and their numbers, along the top
+  bool by_population = false;       ///< grains coloured by the population that they are of (grain_colours.hpp), not by shape
+  bool legend = true;               ///< colours and how many bodies have them, along the top
   bool scale_bar = true;            ///< at the depth of the camera's target, bottom right
   std::string caption;              ///< a line at the bottom left, UTF-8; "t = 0.8 s"
 };
 
 /// The bodies of the model as they stand in `snapshot`.
 ///
-/// Grains are coloured by shape (palette.hpp), tools are grey. A tool that hides much of what moves, or hangs clear
+/// Grains are coloured by shape or population (palette.hpp), tools are grey. A tool that hides much of what moves, or hangs clear
 /// above all of it (a funnel), is drawn as glass and casts no shadow. The ground is the half-space that faces up, else
 /// a plane under the lowest tool; it shows shadows only. The same arguments give the same bytes at any thread count.
 /// Throws Error if model and snapshot do not belong together, a size is out of range, or `only` names no shape of the

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/render/grain_colours.hpp"
 #include "analysis/render/palette.hpp"
 
 namespace repose {
@@ -134,11 +135,12 @@ ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Came
   std::vector<std::size_t> moving, tools;
   std::optional<double> floor;
   std::vector<Vec3> colour(model.bodies.size(), tool_colour());
+  const GrainColours colours(model, options.by_population);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (!is_drawn(model, i, snapshot.time, options)) continue;
     const Shape& shape = shape_of(model, i);
     if (model.bodies[i].dynamic) {
-      colour[i] = shape_colour(shape.kind);
+      colour[i] = colours.colour(i);
       moving.push_back(i);
       continue;
     }
@@ -170,14 +172,14 @@ ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Came
   return {{RayScene(std::move(solid)), RayScene(std::move(clear)), std::move(colour), ground}, drawing.scale};
 }
 
-Stage build_sample(const Shape& shape) {
+Stage build_sample(const Shape& shape, const Vec3& colour) {
   const Quat turn(Eigen::AngleAxisd(-0.5, Vec3::UnitY()) * Eigen::AngleAxisd(0.35, Vec3::UnitZ()));
   std::vector<Solid> solids;
   for (const Part& part : shape.parts) {
     Part placed = scaled(part, 0.5 / shape.bounding_radius);
     solids.push_back({std::move(placed.primitive), Pose{Vec3::Zero(), turn}.compose(placed.pose), 0});
   }
-  return {RayScene(std::move(solids)), RayScene({}), {shape_colour(shape.kind)}, std::nullopt};
+  return {RayScene(std::move(solids)), RayScene({}), {colour}, std::nullopt};
 }
 
 }  // namespace repose

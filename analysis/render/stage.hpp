@@ -15,8 +15,8 @@ struct ScaledStage {
 ScaledStage build_stage(const Model& model, const Snapshot& snapshot, const Camera& camera,
                         const RenderOptions& options);
 
-/// One shape alone, half a unit in radius, turned to show its form: the picture in a legend.
-Stage build_sample(const Shape& shape);
+/// One shape alone in this colour (linear RGB), half a unit in radius, turned to show its form: the picture in a legend.
+Stage build_sample(const Shape& shape, const Vec3& colour);
 
 /// True if the body is drawn at all.
 bool is_drawn(const Model& model, std::size_t body, double time, const RenderOptions& options);

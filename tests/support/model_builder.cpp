@@ -68,8 +68,9 @@ ModelBuilder& ModelBuilder::wall(const std::string& material, const Shape& shape
 }
 
 ModelBuilder& ModelBuilder::named(const std::string& name) {
-  model_.bodies.back().name = static_cast<int>(model_.names.size());
-  model_.names.push_back(name);
+  const auto known = std::find(model_.names.begin(), model_.names.end(), name);  // of a population: that of all its grains
+  model_.bodies.back().name = static_cast<int>(known - model_.names.begin());
+  if (known == model_.names.end()) model_.names.push_back(name);
   return *this;
 }
 

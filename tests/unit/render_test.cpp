@@ -10,6 +10,7 @@
 #include <random>
 
 #include "analysis/render/annotate.hpp"
+#include "analysis/render/grain_colours.hpp"
 #include "analysis/render/intersect.hpp"
 #include "analysis/render/palette.hpp"
 #include "analysis/render/ray_scene.hpp"
@@ -201,6 +202,22 @@ TEST(Render, sphere_has_its_size_in_the_picture) {
     if (is_white(image, 190, y)) lowest = std::min(lowest, y), highest = std::max(highest, y);
   EXPECT_EQ(lowest, 100);
   EXPECT_GT(highest, 200);
+}
+
+TEST(Render, colours_tell_shapes_or_populations) {
+  ModelBuilder builder;
+  builder.material("grain", 1000).law("grain", "grain", {}).floor("grain");
+  for (const char* population : {"bed", "bed", "pile"})
+    builder.sphere("grain", 0.5, {.position = Vec3(0, 0, 0.5 + static_cast<double>(builder.size()))}).named(population).as_grain();
+  const Model model = builder.build();
+  const GrainColours shapes(model, false), populations(model, true);
+  EXPECT_EQ(shapes.colour(1), shapes.colour(3));
+  EXPECT_EQ(shapes.label(3), "sphere");
+  EXPECT_EQ(populations.colour(1), populations.colour(2));
+  EXPECT_NE(populations.colour(1), populations.colour(3));
+  EXPECT_EQ(populations.label(1), "bed");
+  EXPECT_EQ(populations.label(3), "pile");
+  EXPECT_LT(populations.rank(2), populations.rank(3));
 }
 
 TEST(Render, same_bytes_at_any_thread_count_and_any_scale) {
