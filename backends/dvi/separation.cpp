@@ -9,26 +9,36 @@ namespace repose::dvi {
 namespace {
 
 constexpr int max_sweeps = 60;
+constexpr double unnoticed = 0.1;  // of the slop: how far a body moves before its contacts are looked at again
 
 Vec3 multiply(const std::array<double, 6>& m, const Vec3& x) {
   return {m[0] * x.x() + m[1] * x.y() + m[2] * x.z(), m[1] * x.x() + m[3] * x.y() + m[4] * x.z(),
           m[2] * x.x() + m[4] * x.y() + m[5] * x.z()};
 }
 
-/// The contacts that a sweep has to visit, in their order. One that is added behind the place of the sweep waits for the next.
+/// The contacts that are to be visited, in their order. One that is added behind the place of the sweep waits for the next.
 class ToVisit {
  public:
   explicit ToVisit(std::size_t contacts) : word_((contacts + 63) / 64, 0) {}
 
-  void add(std::size_t contact) { word_[contact / 64] |= std::uint64_t{1} << contact % 64; }
+  void add(std::size_t contact) {
+    std::uint64_t& word = word_[contact / 64];
+    const std::uint64_t bit = std::uint64_t{1} << contact % 64;
+    waiting_ += (word & bit) == 0;
+    word |= bit;
+  }
+  bool any() const { return waiting_ > 0; }
 
+  /// Once through those that wait; what is visited is taken out before.
   template <class Visit>
-  void sweep(Visit&& visit) const {
+  void sweep(Visit&& visit) {
     for (std::size_t w = 0; w < word_.size(); ++w) {
       std::uint64_t ahead = ~std::uint64_t{0};
       while (const std::uint64_t left = word_[w] & ahead) {
         const int bit = std::countr_zero(left);
         ahead = bit == 63 ? 0 : ~std::uint64_t{0} << (bit + 1);
+        word_[w] &= ~(std::uint64_t{1} << bit);
+        --waiting_;
         visit(64 * w + static_cast<std::size_t>(bit));
       }
     }
@@ -36,6 +46,7 @@ class ToVisit {
 
  private:
   std::vector<std::uint64_t> word_;
+  std::size_t waiting_ = 0;
 };
 
 /// The contacts of each body that can be moved.
@@ -66,30 +77,26 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
   out.assign(problem.velocity.size(), {});
   const std::size_t n = problem.contacts.size();
   const auto deep = [&](std::size_t i) { return gap[i] < -slop * problem.contacts[i].arm; };
-  // Only contacts that are deep, or whose bodies have been moved, can change anything.
+  // Only contacts that are deep, or whose bodies have moved since they were looked at, can change anything.
   ToVisit to_visit(n);
-  bool any = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!deep(i)) continue;
-    to_visit.add(i);
-    any = true;
-  }
-  if (!any) return 0;
+  for (std::size_t i = 0; i < n; ++i)
+    if (deep(i)) to_visit.add(i);
+  if (!to_visit.any()) return 0;
 
   const ContactsOfBodies contacts(problem);
   std::vector<double> multiplier(n, 0.0);
-  std::vector<char> moved(problem.velocity.size(), 0);
-  const auto move = [&](std::size_t body, const Vec3& shift, const Vec3& turn) {
+  std::vector<double> moved(problem.velocity.size(), 0.0);  // since its contacts were told
+  const auto move = [&](std::size_t body, const Vec3& shift, const Vec3& turn, const ConeContact& by, const Vec3& arm) {
     if (!(problem.inverse_mass[body].mass > 0)) return;
     out[body].shift += shift;
     out[body].turn += turn;
-    if (moved[body]) return;
-    moved[body] = 1;
+    moved[body] += shift.norm() + turn.norm() * arm.norm();
+    if (moved[body] <= unnoticed * slop * by.arm) return;
+    moved[body] = 0;
     for (const std::uint32_t i : contacts.of(body)) to_visit.add(i);
   };
   int sweep = 0;
-  for (bool settled = false; !settled && sweep < max_sweeps; ++sweep) {
-    settled = true;
+  for (; to_visit.any() && sweep < max_sweeps; ++sweep) {
     to_visit.sweep([&](std::size_t i) {
       const ConeContact& c = problem.contacts[i];
       const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
@@ -108,9 +115,8 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
       multiplier[i] = std::max(0.0, before + (goal - now) / w);
       const double d = multiplier[i] - before;
       if (d == 0) return;
-      if (now < -slop * c.arm) settled = false;
-      move(a, -problem.inverse_mass[a].mass * d * c.normal, -d * response_a);
-      move(b, problem.inverse_mass[b].mass * d * c.normal, d * response_b);
+      move(a, -problem.inverse_mass[a].mass * d * c.normal, -d * response_a, c, c.arm_a);
+      move(b, problem.inverse_mass[b].mass * d * c.normal, d * response_b, c, c.arm_b);
     });
   }
   return sweep;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace repose::dvi {
@@ -81,37 +82,39 @@ TEST(Separation, NeighboursGiveWayAndTheRestStays) {
   EXPECT_TRUE(moved[5].shift.isZero(0));
 }
 
-/// The same law by sweeps over all contacts, the deep and the rest alike.
-std::vector<double> shifts_by_full_sweeps(const Row& row, int sweeps) {
+/// The same law by sweeps over all contacts, the deep and the rest alike, until nothing moves.
+std::vector<double> shifts_by_full_sweeps(const Row& row) {
   std::vector<double> x(row.gap.size() + 1, 0.0), multiplier(row.gap.size(), 0.0);
-  std::vector<char> moved(x.size(), 0);
-  for (int s = 0; s < sweeps; ++s)
+  for (int s = 0; s < 100000; ++s) {
+    double most = 0;
     for (std::size_t i = 0; i < row.gap.size(); ++i) {
-      const bool deep = row.gap[i] < -slop * 0.5;
-      if (!deep && !moved[i] && !moved[i + 1]) continue;
-      const double target = -0.25 * slop, goal = std::min(target, deep ? target : row.gap[i]);
+      const double target = -0.25 * slop, goal = row.gap[i] < -slop * 0.5 ? target : std::min(target, row.gap[i]);
       const double before = multiplier[i];
       multiplier[i] = std::max(0.0, before + (goal - (row.gap[i] + x[i + 1] - x[i])) / 2);
       const double d = multiplier[i] - before;
-      if (d == 0) continue;
       x[i] -= d;
       x[i + 1] += d;
-      moved[i] = moved[i + 1] = 1;
+      most = std::max(most, std::abs(d));
     }
+    if (most < 1e-12) break;
+  }
   return x;
 }
 
 TEST(Separation, VisitsWhatFullSweepsWouldChange) {
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> gap(-3e-3, 5e-3);
+  std::uniform_real_distribution<double> gap(-3e-3, 12e-3);
   for (int scene = 0; scene < 50; ++scene) {
     std::vector<double> gaps(200);
     for (double& g : gaps) g = gap(random);
     const Row row = row_of(gaps);
     std::vector<Displacement> moved;
-    const int sweeps = push_apart(row.problem, row.gap, slop, moved);
-    const std::vector<double> wanted = shifts_by_full_sweeps(row, sweeps);
-    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(moved[i].shift.x(), wanted[i], 1e-14) << "ball " << i;
+    EXPECT_LT(push_apart(row.problem, row.gap, slop, moved), 60);
+    const std::vector<double> wanted = shifts_by_full_sweeps(row);
+    // A shallow contact keeps its gap up to slop, and both of its bodies may have moved by a tenth of that unnoticed.
+    for (std::size_t i = 0; i < gaps.size(); ++i) EXPECT_GE(gap_after(row, moved, i), -1.2 * slop * 0.5) << "contact " << i;
+    // What is unnoticed adds up through the few that touch in a row.
+    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(moved[i].shift.x(), wanted[i], slop * 0.5) << "ball " << i;
   }
 }
 
