@@ -142,8 +142,8 @@ Point measure(const Bed& bed, int across, int along, int threads) {
 report::Report page_of(const std::vector<Point>& points) {
   report::Chart chart;
   chart.title = "Time of a step against grains";
-  chart.caption = "A bed of spheres beside itself, half a millimetre deep and sliding; h = 50 us, tolerance 1e-3. Grey: in proportion to the "
-                  "grains, from the first point of one thread.";
+  chart.caption = "A bed of spheres beside itself, half a millimetre deep and sliding; h = 50 us, tolerance 1e-3. The straight line: in "
+                  "proportion to the grains, from the first point.";
   chart.x = {"grains", "", true};
   chart.y = {"time of a step", "ms", true};
   std::map<int, report::Series> series;
