@@ -20,7 +20,7 @@
 #include "backends/dvi/residual.hpp"
 #include "backends/dvi/units.hpp"
 #include "backends/dvi/world_dvi.hpp"
-#include "core/effect.hpp"
+#include "core/run.hpp"
 #include "tests/support/model_builder.hpp"
 
 namespace repose::dvi {
@@ -145,14 +145,7 @@ Case poured(double rolling, int steps) {
   SolverOptions options;
   options.time_step = step;
   const auto world = make_world(model, options);
-  Snapshot state;
-  BodyLoads loads;
-  for (int i = 0; i < steps; ++i) {
-    world->read(state);
-    evaluate_loads(model, state, loads);
-    world->step(step, loads);
-  }
-  world->read(state);
+  const Snapshot state = run(*world, model, {step, steps * step, 1e9, 1e9}, nullptr, {}).final_state;
   ContactFinder finder(model, units_of(model).length);
   std::vector<ContactId> ids;
   Case c;

@@ -19,6 +19,7 @@
 #include "backends/dvi/world_dvi.hpp"
 #include "core/effect.hpp"
 #include "core/recording.hpp"
+#include "core/run.hpp"
 #include "tests/support/model_builder.hpp"
 
 namespace repose::dvi {
@@ -79,14 +80,7 @@ SolverOptions options_for(double time_step, int threads) {
 void settle(Bed& bed, int steps) {
   const Model model = model_of(bed, 1, 1);
   const auto world = make_world(model, options_for(settling_step, 1));
-  Snapshot state;
-  BodyLoads loads;
-  for (int i = 0; i < steps; ++i) {
-    world->read(state);
-    evaluate_loads(model, state, loads);
-    world->step(settling_step, loads);
-  }
-  world->read(state);
+  const Snapshot state = run(*world, model, {settling_step, steps * settling_step, 1e9, 1e9}, nullptr, {}).final_state;
   for (std::size_t i = 0; i < bed.scale.size(); ++i) {
     bed.position[i] = state.position[i + 1];  // body 0 is the floor
     bed.velocity[i] = state.velocity[i + 1];
