@@ -53,6 +53,10 @@ void scale(Body& body, const FroudeFactors& f) {
   body.volume *= f.cube;
   body.gate_tolerance *= f.length;
   scale(body.motion, f);
+  if (body.yield) {
+    body.yield->load *= f.cube;
+    body.yield->mass *= f.cube;
+  }
   for (Interval& interval : body.active) {
     interval.from *= f.time;
     interval.to *= f.time;

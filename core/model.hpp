@@ -1,6 +1,7 @@
 #pragma once
 /// What a backend simulates: the scene with every grain made, constant during a run. The state is Snapshot.
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Body {
   BodyRole role = BodyRole::body;
   int name = -1;               ///< index into Model::names: body or tool name, or the population of a grain
   Motion motion;               ///< used if not dynamic
+  std::optional<Yield> yield;  ///< if not dynamic: it gives way upward
   /// If not empty, the body exists only during these times (the gate of a funnel). A body that appears never expels what
   /// stands in its way: pairs that overlap by more than `gate_tolerance` are left out until they have parted.
   std::vector<Interval> active;

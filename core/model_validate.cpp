@@ -79,6 +79,7 @@ void check_dynamic(const Model& model, const Body& body, const auto& place) {
   require(positive(body.mass), place, "the mass is not positive and finite", "give a mass, or make the body fixed");
   require(positive(body.inertia.x()) && positive(body.inertia.y()) && positive(body.inertia.z()), place,
           "a principal moment of inertia is not positive and finite", "give three positive moments");
+  require(!body.yield, place, "a body that moves freely has nothing to yield from", "leave `yield` out");
   require(positive(body.radius) && positive(body.volume), place,
           "the equal-volume radius or the volume is not positive and finite", "take them from the shape");
   require(body.active.empty(), place, "a body that moves freely cannot come and go",
@@ -92,6 +93,8 @@ void check_prescribed(const Body& body, const auto& place) {
           place, "a fixed or prescribed body must have mass, inertia and volume 0 and an infinite radius",
           "leave them at that or make it dynamic");
   check_motion(body.motion, place);
+  require(!body.yield || (std::isfinite(body.yield->load) && body.yield->load >= 0 && positive(body.yield->mass)), place,
+          "a body that yields needs a load that is not negative and a positive mass", "give both, in N and kg");
 }
 
 void check_bodies(const Model& model) {

@@ -25,6 +25,17 @@ struct Motion {
   bool operator==(const Motion&) const = default;
 };
 
+/// How a body of prescribed motion gives way upward, like a roller whose carriage is held down by a weight. It follows its Motion
+/// along x and y and in turning. Along z it stands on rigid stops where the motion would have it, and rises where contacts
+/// push harder than the load:
+///   mass dw/dt = F_z - load + N,   N >= 0,   z >= z of pose_at(),   N (z - that) = 0.
+struct Yield {
+  double load = 0;  ///< [N], >= 0, all that presses down: no weight is added
+  double mass = 0;  ///< of what moves up and down [kg], > 0
+
+  bool operator==(const Yield&) const = default;
+};
+
 /// The pose at time t of a body that starts at `initial`.
 Pose pose_at(const Motion& motion, const Pose& initial, double t);
 

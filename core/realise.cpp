@@ -149,6 +149,7 @@ void Realiser::add(const Tool& tool) {
     body.role = BodyRole::tool;
     body.name = name;
     body.active = piece.active;
+    body.yield = tool.yield;
     add_body(body, piece.pose, {});
   }
 }

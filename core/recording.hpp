@@ -27,6 +27,7 @@ struct StepRecord {
   StepReport report;
   Vec3 tool_force = Vec3::Zero();   ///< total of the contact forces on the tool that Schedule::tracked names [N]
   Vec3 tool_torque = Vec3::Zero();  ///< about the first of its bodies' centres, which turn with it [N m]
+  double tool_rise = 0;             ///< how far a tool that yields stands above its stops [m], >= 0
 };
 
 /// Everything a finished or interrupted run left behind, as the analysis reads it.

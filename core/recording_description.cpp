@@ -28,6 +28,10 @@ template <class Io> void fields(Io& io, PairLaw& x) {
 }
 template <class Io> void fields(Io& io, Pose& x) { io("position", x.position); io("orientation", x.orientation); }
 template <class Io> void fields(Io& io, Interval& x) { io("from", x.from); io("to", x.to); }
+template <class Io> void fields(Io& io, Yield& x) {
+  io("load", x.load);
+  io("mass", x.mass);
+}
 template <class Io> void fields(Io& io, Motion& x) {
   io("velocity", x.velocity);
   io("angular_velocity", x.angular_velocity);
@@ -131,11 +135,13 @@ struct BodyExtra {
   int body = 0;
   Motion motion;
   std::vector<Interval> active;
+  std::vector<Yield> yield;  // one or none
 };
 template <class Io> void fields(Io& io, BodyExtra& x) {
   io("body", x.body);
   io("motion", x.motion);
   io("active", x.active);
+  io.if_any("yield", x.yield);
 }
 
 struct Description {
@@ -259,8 +265,9 @@ std::string describe_model(const Model& model) {
   Description d{model.materials, model.laws, model.shapes, model.names, model.gravity, model.effects, model.contact_effects, {}};
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];
-    if (!(body.motion == Motion{}) || !body.active.empty())
-      d.bodies.push_back({static_cast<int>(i), body.motion, body.active});
+    if (body.motion == Motion{} && body.active.empty() && !body.yield) continue;
+    d.bodies.push_back({static_cast<int>(i), body.motion, body.active, {}});
+    if (body.yield) d.bodies.back().yield.push_back(*body.yield);
   }
   Json json = ToJson::convert(d);
   if (model.periodic.any()) json["periodic"] = ToJson::convert(model.periodic);
@@ -285,6 +292,7 @@ void parse_model_description(const std::string& json, std::size_t body_count, Mo
     Body& body = model.bodies.at(static_cast<std::size_t>(extra.body));
     body.motion = extra.motion;
     body.active = std::move(extra.active);
+    if (!extra.yield.empty()) body.yield = extra.yield.front();
   }
 }
 

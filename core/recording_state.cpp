@@ -58,12 +58,13 @@ void for_each_column(Visit&& visit) {
   visit("contact_work", double{}, [](auto& r) -> auto& { return r.report.contact_work; });
 }
 
-/// The load on the tracked tool, likewise.
+/// What is told of the tracked tool, likewise.
 template <class Visit>
-void for_each_load(Visit&& visit) {
+void for_each_vector_of_tool(Visit&& visit) {
   visit("tool_force", &StepRecord::tool_force);
   visit("tool_torque", &StepRecord::tool_torque);
 }
+constexpr const char* rise_column = "/tool_rise";
 
 }  // namespace
 
@@ -101,13 +102,16 @@ void write_steps(Hdf5Writer& file, const std::string& group, const std::vector<S
     for (const StepRecord& record : steps) column.push_back(static_cast<decltype(type)>(field(record)));
     file.write(group + "/" + name, column);
   });
-  for_each_load([&](const char* name, auto field) {
+  for_each_vector_of_tool([&](const char* name, auto field) {
     std::vector<Vec3> column;
     for (const StepRecord& record : steps) column.push_back(record.*field);
     // Most runs track no tool.
     if (std::any_of(column.begin(), column.end(), [](const Vec3& v) { return v != Vec3::Zero(); }))
       file.write(group + "/" + name, flattened<double>(column), 3);
   });
+  std::vector<double> rise;
+  for (const StepRecord& record : steps) rise.push_back(record.tool_rise);
+  if (std::any_of(rise.begin(), rise.end(), [](double x) { return x != 0; })) file.write(group + rise_column, rise);
 }
 
 std::vector<StepRecord> read_steps(const Hdf5Reader& file, const std::string& group) {
@@ -119,11 +123,15 @@ std::vector<StepRecord> read_steps(const Hdf5Reader& file, const std::string& gr
       target = static_cast<std::remove_reference_t<decltype(target)>>(column[i]);
     }
   });
-  for_each_load([&](const char* name, auto field) {
+  for_each_vector_of_tool([&](const char* name, auto field) {
     if (!file.has(group + "/" + name)) return;
     const std::vector<Vec3> column = vectors_from(file.read<double>(group + "/" + name, 3, steps.size()));
     for (std::size_t i = 0; i < steps.size(); ++i) steps[i].*field = column[i];
   });
+  if (file.has(group + rise_column)) {
+    const auto rise = file.read<double>(group + rise_column, 1, steps.size());
+    for (std::size_t i = 0; i < steps.size(); ++i) steps[i].tool_rise = rise[i];
+  }
   return steps;
 }
 

@@ -225,7 +225,12 @@ class Runner {
     StepRecord line{state_.time, last_};
     if (tracked_.empty()) return line;
     world_.read(contacts_);
-    const Vec3 centre = state_.position[static_cast<std::size_t>(tracked_.front())];
+    const auto first = static_cast<std::size_t>(tracked_.front());
+    const Vec3 centre = state_.position[first];
+    if (const Body& body = model_.bodies[first]; body.yield) {
+      const Pose initial{model_.initial.position[first], model_.initial.orientation[first]};
+      line.tool_rise = std::max(0.0, centre.z() - pose_at(body.motion, initial, state_.time).position.z());
+    }
     for (const Contact& contact : contacts_) {
       const bool is_a = std::binary_search(tracked_.begin(), tracked_.end(), contact.a);
       const bool is_b = std::binary_search(tracked_.begin(), tracked_.end(), contact.b);

@@ -32,7 +32,7 @@ Motion read_motion(const YamlReader& block, const Vec3& pivot);
 /// grains: {powder: {material, count | mass, mix, mix_by, aspect, size, fill, velocity}}
 void read_grains(const YamlReader& block, const std::filesystem::path& folder, Scene& scene);
 
-/// tools: {funnel: {type, material, position, motion, and the fields of its kind in tool.hpp}}
+/// tools: {funnel: {type, material, position, motion, yield: {load, mass}, and the fields of its kind in tool.hpp}}
 void read_tools(const YamlReader& block, Scene& scene);
 
 /// layer: {spreader, plate, gap, gap_from, speed, rotation, rotation_ratio, from, to, rest, settle, settle_time_step, region,

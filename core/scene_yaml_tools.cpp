@@ -14,7 +14,7 @@ const NumberRule length_or_zero = non_negative(dimension::length);
 
 // The keys of every tool, then those of its kind.
 void only(const YamlReader& reader, std::vector<std::string> keys) {
-  keys.insert(keys.begin(), {"type", "material", "position", "motion"});
+  keys.insert(keys.begin(), {"type", "material", "position", "motion", "yield"});
   reader.only(keys);
 }
 
@@ -134,6 +134,14 @@ const Kind& find_kind(const std::string& name, const YamlReader& reader) {
   reader.fail(suggestion.problem, "a tool that is not named after its type needs `type: ...`; " + suggestion.remedy);
 }
 
+Yield read_yield(const YamlReader& block) {
+  block.only({"load", "mass"});
+  Yield yield;
+  block.require("load", yield.load, non_negative(dimension::force));
+  block.require("mass", yield.mass, positive(dimension::mass));
+  return yield;
+}
+
 Tool read_tool(const std::string& name, const YamlReader& reader, const Scene& scene) {
   if (reader.node().kind != YamlNode::Kind::map) only(reader, {});
   Tool tool;
@@ -143,13 +151,17 @@ Tool read_tool(const std::string& name, const YamlReader& reader, const Scene& s
   reader.read("position", tool.position, any(dimension::length));
   tool.motion.pivot = tool.position;
   if (reader.has("motion")) tool.motion = read_motion(reader.at("motion"), tool.position);
+  if (reader.has("yield")) tool.yield = read_yield(reader.at("yield"));
+  std::size_t pieces = 0;
   try {
-    build_tool(tool);
+    pieces = build_tool(tool).size();
   } catch (const Error& error) {
     // The tool names its key, "tools.funnel.thickness"; the reader knows the line.
     const std::string key = error.place().substr(std::min(error.place().size(), reader.path().size() + 1));
     (reader.has(key) ? reader.at(key) : reader).fail(error.problem(), error.remedy());
   }
+  if (tool.yield && pieces != 1)
+    reader.at("yield").fail(fmt::format("a tool of {} pieces cannot yield as one", pieces), "give it to a roller, a blade or a plate");
   return tool;
 }
 

@@ -55,6 +55,7 @@ struct Tool {
   ToolKind kind;
   Vec3 position = Vec3::Zero();  ///< [m]
   Motion motion;
+  std::optional<Yield> yield = {};  ///< of tools of one piece
 };
 
 /// One rigid piece of a tool.

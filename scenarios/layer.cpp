@@ -41,9 +41,10 @@ std::string draw_surfaces(const LayerMeasurement& m) {
                                    high > low ? high : low + m.after.grid.cell, "height"));
 }
 
-void tell(const LayerMeasurement& m, const LayerSetup& setup, const SpreaderPath& path, const Bed& bed, const RunReport& report,
+void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& path, const Bed& bed, const RunReport& report,
           const Options& options) {
   constexpr double um = 1e6;
+  const LayerSetup& setup = *scene.layer;
   fmt::print("bed              {} in {}; {}, {:.3g} s simulated\n", bed.reused ? "reused, settled before" : "settled now", bed.folder.string(),
              bed.at_rest ? "at rest" : "NOT at rest: make layer.settle longer", bed.time);
   fmt::print("spreader         lowest line {:.1f} um above the plate, {:.1f} um above the mean surface\n", (path.lowest - setup.plate) * um,
@@ -60,6 +61,9 @@ void tell(const LayerMeasurement& m, const LayerSetup& setup, const SpreaderPath
   fmt::print("layer            {:.2f} um thick in the mean; {} grains came into the region\n", m.thickness.mean * um, m.moved_in);
   fmt::print("force            [{:.3g}, {:.3g}, {:.3g}] N, torque about y {:.3g} N m: mean of {} converged of {} steps over the region\n",
              l.force.x(), l.force.y(), l.force.z(), l.torque.y(), l.converged, l.steps);
+  if (spreader_of(scene).yield)
+    fmt::print("rise             {:.3g} um in the mean, {:.3g} um at most: how far the powder lifted the spreader\n", l.rise * um,
+               l.rise_largest * um);
   if (m.lost > 0) fmt::print("warning          {} grains lie below the plate\n", m.lost);
   fmt::print("wall time        {:.1f} s for the bed{}, {:.1f} s for the layer\n", bed.wall_s, bed.reused ? " (then)" : "", report.wall_s);
   for (const auto& [what, file] :
@@ -96,7 +100,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
                    report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture, draw_thickness(layer, setup.square)})));
   result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
   write_result(options.out / "result.json", result.dump(2));
-  tell(layer, setup, path, *bed, report, options);
+  tell(layer, scene, path, *bed, report, options);
   return status;
 }
 

@@ -56,6 +56,7 @@ json observables_of(const LayerMeasurement& m, const RunReport& report, const Mo
   o["force_up"] = loaded ? json(m.load.force.z()) : json(nullptr);
   o["torque"] = loaded ? json(m.load.torque.y()) : json(nullptr);
   o["force_largest"] = loaded ? json(m.load.largest) : json(nullptr);
+  o["rise"] = loaded ? json(m.load.rise) : json(nullptr);
   o["spreader_above_surface"] = path.lowest - setup.plate - m.before.heights.mean;
   o["grains_moved_in"] = m.moved_in;
   o["grains_below_plate"] = m.lost;

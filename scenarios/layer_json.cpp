@@ -63,6 +63,8 @@ json load_json(const SpreaderLoad& l) {
           {"force_se", vector_json(l.force_se)},
           {"torque_se", vector_json(l.torque_se)},
           {"largest_force", l.largest},
+          {"rise", l.rise},
+          {"largest_rise", l.rise_largest},
           {"steps", l.steps},
           {"converged_steps", l.converged},
           {"residual_max", l.residual_max}};

@@ -48,10 +48,12 @@ SpreaderLoad measure_load(const std::vector<StepRecord>& steps, double enters, d
     if (!step.report.converged) continue;
     used.push_back(&step);
     load.largest = std::max(load.largest, step.tool_force.norm());
+    load.rise_largest = std::max(load.rise_largest, step.tool_rise);
   }
   load.converged = used.size();
   if (used.empty()) return load;
   constexpr std::size_t stretches = 10;
+  for (const StepRecord* step : used) load.rise += step->tool_rise / static_cast<double>(used.size());
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> force(stretches, 0), torque(stretches, 0), count(stretches, 0);
     for (std::size_t k = 0; k < used.size(); ++k) {

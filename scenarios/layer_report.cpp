@@ -128,16 +128,20 @@ Chart segregation_chart(const char* title, const char* axis, double scale, const
   return chart;
 }
 
+/// x of the lowest line [mm].
+double place_of(const LayerReportInput& in, double time) {
+  return (in.path.from + in.prepared.scene.layer->speed * std::min(time, in.path.duration)) * mm;
+}
+
 Chart load_chart(const LayerReportInput& in, bool torque) {
   Chart chart;
-  const LayerSetup& setup = *in.prepared.scene.layer;
   chart.title = torque ? "Torque on the spreader" : "Force on the spreader";
   chart.caption = "From the contact forces of each step that converged; gaps: steps that did not. Lengthwise the place of the lowest line.";
   chart.x = {"x of the lowest line", "mm"};
   chart.y = {torque ? "torque about y" : "force", torque ? "nN m" : "µN"};
   Series x{"x, against the travel", {}, {}, {}, Series::Style::line, false}, z{"z, upward", {}, {}, {}, Series::Style::line, false};
   for (const StepRecord& step : in.recording.steps) {
-    const double at = (in.path.from + setup.speed * std::min(step.time, in.path.duration)) * mm;
+    const double at = place_of(in, step.time);
     const double none = std::numeric_limits<double>::quiet_NaN();
     x.x.push_back(at);
     z.x.push_back(at);
@@ -150,6 +154,21 @@ Chart load_chart(const LayerReportInput& in, bool torque) {
   } else {
     chart.series = {x, z};
   }
+  return chart;
+}
+
+Chart rise_chart(const LayerReportInput& in) {
+  Chart chart;
+  chart.title = "Rise of the spreader";
+  chart.caption = "Height above its stops. Lengthwise the place of the lowest line.";
+  chart.x = {"x of the lowest line", "mm"};
+  chart.y = {"rise", "µm"};
+  Series rise{"rise", {}, {}, {}, Series::Style::line, false};
+  for (const StepRecord& step : in.recording.steps) {
+    rise.x.push_back(place_of(in, step.time));
+    rise.y.push_back(step.tool_rise * um);
+  }
+  chart.series = {rise};
   return chart;
 }
 
@@ -240,13 +259,20 @@ Table bed_table(const LayerReportInput& in) {
   const SpreaderLoad& l = m.load;
   row("force along the travel", rounded(l.force.x() * um, l.force_se.x() * um), "µN", "mean over the region, standard error from ten stretches");
   row("force upward", rounded(l.force.z() * um, l.force_se.z() * um), "µN", "");
+  const bool yields = spreader_of(in.prepared.scene).yield.has_value();
+  if (yields)
+    row("rise of the spreader", fmt::format("{:.3g}, at most {:.3g}", l.rise * um, l.rise_largest * um), "µm", "above its stops, mean over the region");
   row("torque about y", rounded(l.torque.y() * 1e9, l.torque_se.y() * 1e9), "nN m", "");
   row("steps that converged", fmt::format("{} of {}", l.converged, l.steps), "", fmt::format("over the region; largest residual {:.2g}", l.residual_max));
   row("deepest penetration", fmt::format("{:.3g}", in.run.max_penetration * um), "µm", "over all steps, by geometry");
   row("contacts", fmt::format("{:.0f}", in.run.contacts_mean), "", "mean");
   row("iterations per step", fmt::format("{:.1f}", in.run.iterations_mean), "", "mean");
-  t.notes = {"Rigid grains under a rigid spreader of prescribed path can jam: single peaks of the force then depend on the time step; means are "
-             "told, from converged steps only. Whether they are converged in the time step shows a second run with half of it."};
+  if (yields)
+    t.notes = {"The spreader gives way upward where the powder pushes harder than its load: forces above the load accelerate its mass."};
+  else
+    t.notes = {"Rigid grains under a rigid spreader of prescribed path can jam: single peaks of the force then depend on the time step; means are "
+               "told, from converged steps only. Whether they are converged in the time step shows a second run with half of it. A spreader "
+               "that yields (`yield` of its tool) has no such peaks."};
   return t;
 }
 
@@ -285,8 +311,13 @@ report::Report layer_report(const LayerReportInput& in) {
   bed.blocks.push_back(segregation_chart("Size by height", "height above the plate", um, "µm", m.before.segregation.by_height, m.after.segregation.by_height));
   bed.blocks.push_back(segregation_chart("Size along the travel", "x", mm, "mm", m.before.segregation.by_x, m.after.segregation.by_x));
   page.sections.push_back(std::move(bed));
-  if (!in.recording.steps.empty())
-    page.sections.push_back({"Spreader and solver", {load_chart(in, false), load_chart(in, true), step_chart(in, true), step_chart(in, false)}});
+  if (!in.recording.steps.empty()) {
+    Section loads{"Spreader and solver", {load_chart(in, false), load_chart(in, true)}};
+    if (spreader_of(in.prepared.scene).yield) loads.blocks.push_back(rise_chart(in));
+    loads.blocks.push_back(step_chart(in, true));
+    loads.blocks.push_back(step_chart(in, false));
+    page.sections.push_back(std::move(loads));
+  }
   Settings settings{"Run", {}};
   settings.entries = {{"backend", in.options.backend},
                       {"seed", std::to_string(in.options.seed)},

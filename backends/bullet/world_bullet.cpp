@@ -271,6 +271,8 @@ class WorldBullet final : public World {
 std::vector<std::string> unsupported(const Model& model) {
   std::vector<std::string> names = contact_effect_names(model);
   if (model.periodic.any()) names.push_back("periodic");
+  if (std::any_of(model.bodies.begin(), model.bodies.end(), [](const Body& body) { return body.yield.has_value(); }))
+    names.push_back("yield");
   return names;
 }
 

@@ -41,12 +41,13 @@ REPOSE_INLINE void gather_velocity(const BodyVelocity<Real>* bodies, const std::
 
 template <class Real>
 REPOSE_INLINE void gather_inverse(const BodyInverse<Real>* bodies, const std::int32_t* index, Lanes<Real>& mass,
-                                  Lanes<Real>* inertia) {
+                                  Lanes<Real>& lift, Lanes<Real>* inertia) {
   Lanes<Real> x[8];
   load_records<Real>(reinterpret_cast<const Real*>(bodies), index, x);
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) inertia[k] = x[k];
   mass = x[6];
+  lift = x[7];
 }
 
 /// Stores the lanes whose body can move; the others (prescribed, idle) are shared by many contacts and never change.
@@ -110,7 +111,7 @@ REPOSE_INLINE void wrench(const Batch<Real>& c, const Lanes<Real>* t2, Real acro
 /// v += sign M^-1 J' g for one side. The couple and the force keep their sum over both sides zero by construction.
 template <class Real>
 REPOSE_INLINE void apply_wrench(Real sign, const Lanes<Real>* arm, const Lanes<Real>& inverse_mass,
-                                const Lanes<Real>* inverse_inertia, const Lanes<Real>* force, const Lanes<Real>* couple,
+                                const Lanes<Real>& lift, const Lanes<Real>* inverse_inertia, const Lanes<Real>* force, const Lanes<Real>* couple,
                                 Lanes<Real>* v, Lanes<Real>* w) {
   Lanes<Real> torque[3], dw[3];
   cross<Real>(arm, force, torque);
@@ -123,6 +124,7 @@ REPOSE_INLINE void apply_wrench(Real sign, const Lanes<Real>* arm, const Lanes<R
     v[k] += s * force[k];
     w[k] += sign * dw[k];
   }
+  v[2] += sign * lift * force[2];
 }
 
 /// The normal-row correction of the exact law: mu |u_t| + rho |u_r| + sigma |u_s|.

@@ -25,10 +25,11 @@ namespace repose::dvi {
 
 using Impulse = std::array<double, 6>;  ///< rows as above
 
-/// Inverse mass and inertia of a body. Prescribed bodies: all zero.
+/// Inverse mass and inertia of a body. Prescribed bodies: all zero; those that yield along z alone: all but `lift`.
 struct InverseMass {
   double mass = 0;
   std::array<double, 6> inertia{};  ///< world frame: xx, xy, xz, yy, yz, zz
+  double lift = 0;                  ///< added to `mass` for forces along z
 };
 
 struct ConeContact {

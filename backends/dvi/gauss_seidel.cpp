@@ -129,7 +129,7 @@ template <class Real, bool Rotational, bool Exact>
 void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
   Batch<Real>& c = packed.batches[batch];
   constexpr int rows = Rotational ? 6 : 3;
-  V<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6], g[6], force[3], couple[3], mass, inertia[6];
+  V<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6], g[6], force[3], couple[3], mass, lift, inertia[6];
   gather_velocity<Real>(packed.velocity.data(), c.a, va, wa);
   gather_velocity<Real>(packed.velocity.data(), c.b, vb, wb);
   second_tangent<Real>(c, t2);
@@ -152,11 +152,11 @@ void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
     g[k] = d;
   }
   wrench<Real, Rotational>(c, t2, packed.across, g, force, couple);
-  gather_inverse<Real>(packed.inverse.data(), c.a, mass, inertia);
-  apply_wrench<Real>(Real(-1), c.arm_a, mass, inertia, force, couple, va, wa);
+  gather_inverse<Real>(packed.inverse.data(), c.a, mass, lift, inertia);
+  apply_wrench<Real>(Real(-1), c.arm_a, mass, lift, inertia, force, couple, va, wa);
   scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, c.a, va, wa);
-  gather_inverse<Real>(packed.inverse.data(), c.b, mass, inertia);
-  apply_wrench<Real>(Real(1), c.arm_b, mass, inertia, force, couple, vb, wb);
+  gather_inverse<Real>(packed.inverse.data(), c.b, mass, lift, inertia);
+  apply_wrench<Real>(Real(1), c.arm_b, mass, lift, inertia, force, couple, vb, wb);
   scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, c.b, vb, wb);
 }
 
@@ -168,13 +168,16 @@ void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, Momentum<Re
         const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
         const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
 #pragma omp for schedule(static)
-        for (std::int32_t i = first; i < last; ++i)
-          visit<Real, Rotational, Exact>(packed, static_cast<std::size_t>(i), relaxation);
+        for (std::int32_t k = first; k < last; ++k) {
+          const auto i = static_cast<std::size_t>(k);
+          if (momentum != nullptr) momentum->move_on(packed.batches[i], i, Rotational ? 6 : 3);
+          visit<Real, Rotational, Exact>(packed, i, relaxation);
+        }
       }
       if (momentum == nullptr) continue;
       const bool move = s + 1 < sweeps;  // what is handed out stays in the cones
 #pragma omp for schedule(static)
-      for (std::ptrdiff_t block = 0; block < momentum->blocks(); ++block) momentum->extrapolate(packed, block, move);
+      for (std::ptrdiff_t block = 0; block < momentum->blocks(); ++block) momentum->move_bodies_on(packed, block, move);
 #pragma omp single
       momentum->advance(move);
     }

@@ -34,19 +34,9 @@ Momentum<Real>::Momentum(const PackedProblem<Real>& packed)
 }
 
 template <class Real>
-void Momentum<Real>::extrapolate(PackedProblem<Real>& packed, std::ptrdiff_t block, bool move) {
+void Momentum<Real>::move_bodies_on(PackedProblem<Real>& packed, std::ptrdiff_t block, bool move) {
   const auto beta = static_cast<Real>(move ? beta_ : 0.0);
   Turn turn;
-  const int n = packed.rotational ? 6 : 3;
-  for (std::size_t i = share(rows_.size(), block, blocks()); i < share(rows_.size(), block + 1, blocks()); ++i) {
-    Batch<Real>& c = packed.batches[i];
-    Rows& rows = rows_[i];
-    for (int k = 0; k < n; ++k) {
-      const Lanes<Real> now = c.impulse[k];
-      c.impulse[k] += beta * (now - rows.last[k]);
-      rows.last[k] = now;
-    }
-  }
   for (std::size_t i = share(motion_.size(), block, blocks()); i < share(motion_.size(), block + 1, blocks()); ++i) {
     Motion& motion = motion_[i];
     Real with = 0, size = 0;
@@ -60,8 +50,9 @@ void Momentum<Real>::extrapolate(PackedProblem<Real>& packed, std::ptrdiff_t blo
     };
     for (int k = 0; k < 3; ++k) move_one(k, packed.velocity[i].linear[k]);
     // Linear parts alone: with the mass they are an energy.
-    turn.with += static_cast<double>(with / packed.inverse[i].mass);
-    turn.size += static_cast<double>(size / packed.inverse[i].mass);
+    const Real inverse = packed.inverse[i].mass + packed.inverse[i].lift;
+    turn.with += static_cast<double>(with / inverse);
+    turn.size += static_cast<double>(size / inverse);
     for (int k = 0; k < 3; ++k) move_one(k + 3, packed.velocity[i].angular[k]);
   }
   turn_[static_cast<std::size_t>(block)] = turn;

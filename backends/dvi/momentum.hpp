@@ -18,11 +18,23 @@ class Momentum {
   explicit Momentum(const PackedProblem<Real>& packed);
 
   std::size_t bytes() const { return rows_.size() * sizeof(Rows) + motion_.size() * sizeof(Motion); }
-  /// Blocks of work that `extrapolate` may share among threads.
+  /// Takes note of the impulses of a batch, which the last sweep has left, and moves them on to where this sweep starts. To be
+  /// called as the sweep comes to the batch, which is then in the cache anyway.
+  [[gnu::always_inline]] void move_on(Batch<Real>& c, std::size_t batch, int rows) {
+    const auto beta = static_cast<Real>(applied_);
+    Rows& of_batch = rows_[batch];
+#pragma GCC unroll 6
+    for (int k = 0; k < rows; ++k) {
+      const Lanes<Real> now = c.impulse[k];
+      c.impulse[k] += beta * (now - of_batch.last[k]);
+      of_batch.last[k] = now;
+    }
+  }
+  /// Blocks of bodies that `move_bodies_on` may share among threads.
   std::ptrdiff_t blocks() const { return static_cast<std::ptrdiff_t>(turn_.size()); }
-  /// Takes note of the result of a sweep, one block of contacts and bodies, and moves it on to where the next sweep
-  /// starts; unless `move`: a result that is handed out stays in the cones.
-  void extrapolate(PackedProblem<Real>& packed, std::ptrdiff_t block, bool move);
+  /// Likewise the velocities of one block of bodies, right after a sweep; unless `move`, which says that another sweep
+  /// follows: a result that is handed out stays in the cones.
+  void move_bodies_on(PackedProblem<Real>& packed, std::ptrdiff_t block, bool move);
   /// To be called once after all blocks, with the same `move`: chooses the next beta.
   void advance(bool move);
   /// The residual has risen since the last look.
@@ -46,7 +58,7 @@ class Momentum {
   std::vector<Turn> turn_;      ///< per block, added in order: the same bits at any thread count
   double cap_, age_ = 0;
   double beta_ = 0;     ///< of the next extrapolation
-  double applied_ = 0;  ///< of the one before
+  double applied_ = 0;  ///< of the one before, which the impulses have still to follow
 };
 
 }  // namespace repose::dvi

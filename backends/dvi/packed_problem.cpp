@@ -37,8 +37,8 @@ void compute_block(const PackedProblem<Real>& packed, Batch<Real>& c) {
   for (V& w : c.w) w = V{};
   for (int side = 0; side < 2; ++side) {
     const V* arm = side == 0 ? c.arm_a : c.arm_b;
-    V mass, inertia[6];
-    gather_inverse<Real>(packed.inverse.data(), side == 0 ? c.a : c.b, mass, inertia);
+    V mass, lift, inertia[6];
+    gather_inverse<Real>(packed.inverse.data(), side == 0 ? c.a : c.b, mass, lift, inertia);
     V turn[6][3], response[6][3];  // angular parts of the six rows
     for (int i = 0; i < 3; ++i) cross<Real>(arm, direction[i], turn[i]);
     for (int k = 0; k < 3; ++k) turn[2][k] *= packed.across;
@@ -51,6 +51,9 @@ void compute_block(const PackedProblem<Real>& packed, Batch<Real>& c) {
     for (int i = 0; i < 6; ++i)
       for (int j = i; j < 6; ++j) c.w[block_index(i, j)] += dot<Real>(turn[i], response[j]);
     for (int i = 0; i < 3; ++i) c.w[block_index(i, i)] += i == 2 ? packed.across * packed.across * mass : mass;
+    const V up[3] = {c.normal[2], c.tangent[2], packed.across * t2[2]};
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) c.w[block_index(i, j)] += lift * up[i] * up[j];
   }
   for (int i = 0; i < 6; ++i) {
     V& d = c.w[block_index(i, i)];
@@ -80,6 +83,7 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
   for (std::size_t i = 0; i < bodies; ++i) {
     BodyInverse<Real>& inverse = packed.inverse[i];
     inverse.mass = static_cast<Real>(problem.inverse_mass[i].mass);
+    inverse.lift = static_cast<Real>(problem.inverse_mass[i].lift);
     for (std::size_t k = 0; k < 6; ++k) inverse.inertia[k] = static_cast<Real>(problem.inverse_mass[i].inertia[k]);
     if (problem.inverse_mass[i].mass > 0) energy += problem.velocity[i].squaredNorm() / problem.inverse_mass[i].mass;
   }
@@ -163,15 +167,15 @@ void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& probl
 #pragma omp for schedule(static)
         for (std::int32_t i = first; i < last; ++i) {
           const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
-          Lanes<Real> t2[3], force[3], couple[3], mass, inertia[6], v[3], w[3];
+          Lanes<Real> t2[3], force[3], couple[3], mass, lift, inertia[6], v[3], w[3];
           second_tangent<Real>(c, t2);
           wrench<Real, rows>(c, t2, packed.across, c.impulse, force, couple);
           for (int side = 0; side < 2; ++side) {
             const std::int32_t* index = side == 0 ? c.a : c.b;
             gather_velocity<Real>(packed.velocity.data(), index, v, w);
-            gather_inverse<Real>(packed.inverse.data(), index, mass, inertia);
-            apply_wrench<Real>(side == 0 ? Real(-1) : Real(1), side == 0 ? c.arm_a : c.arm_b, mass, inertia, force, couple, v,
-                               w);
+            gather_inverse<Real>(packed.inverse.data(), index, mass, lift, inertia);
+            apply_wrench<Real>(side == 0 ? Real(-1) : Real(1), side == 0 ? c.arm_a : c.arm_b, mass, lift, inertia, force, couple,
+                               v, w);
             scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, index, v, w);
           }
         }
@@ -196,6 +200,7 @@ void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::
     const auto i = static_cast<std::size_t>(body);
     const InverseMass& m = problem.inverse_mass[i];
     velocity[i] += m.mass * force;
+    velocity[i].z() += m.lift * force.z();
     angular_velocity[i] += Vec3(m.inertia[0] * torque.x() + m.inertia[1] * torque.y() + m.inertia[2] * torque.z(),
                                 m.inertia[1] * torque.x() + m.inertia[3] * torque.y() + m.inertia[4] * torque.z(),
                                 m.inertia[2] * torque.x() + m.inertia[4] * torque.y() + m.inertia[5] * torque.z());

@@ -44,7 +44,7 @@ struct alignas(8 * sizeof(Real)) BodyVelocity {
 
 template <class Real>
 struct alignas(8 * sizeof(Real)) BodyInverse {
-  Real inertia[6], mass, pad;
+  Real inertia[6], mass, lift;
 };
 
 template <class Real>

@@ -10,9 +10,11 @@
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/team.hpp"
 #include "backends/dvi/touch.hpp"
+#include "backends/dvi/tumbling.hpp"
 #include "backends/dvi/units.hpp"
 #include "backends/dvi/world_dvi_impulses.hpp"
 #include "backends/dvi/world_dvi_laws.hpp"
+#include "backends/dvi/world_dvi_yield.hpp"
 #include "core/error.hpp"
 
 namespace repose::dvi {
@@ -32,7 +34,8 @@ Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * dia
 class WorldDvi final : public World {
  public:
   WorldDvi(const Model& model, const SolverOptions& options)
-      : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length), laws_(model_, units_) {
+      : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length), laws_(model_, units_),
+        yielding_(model_, units_) {
     const std::size_t n = model.bodies.size();
     slot_.assign(n, -1);
     for (std::size_t i = 0; i < n; ++i) {
@@ -66,22 +69,13 @@ class WorldDvi final : public World {
       }
     }
     const std::vector<FoundContact>& found = *all;
-    build_problem(found, h);
-    if (options_.warm_start)
-      last_.start(found, problem_, h, options_.threads, impulse_);
-    else
-      impulse_.assign(found.size(), Impulse{});
-    const ConeSolver solver = [this](const ConeProblem& problem, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
-                                     std::vector<Vec3>& angular) { return solve(problem, options_, impulse, velocity, angular); };
-    SolveReport solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_,
-                                            angular_after_);
-    StepReport report = report_of(found, solved);
+    StepReport report = report_of(found, solve_contacts(found, h));
     report.left = asked - dt;
     last_.keep(found, problem_, impulse_, h, options_.threads);
     if (second_order()) find_smooth(found, h);
     advance(h);
     time_ += dt;
-    if (!laws_.compliant()) remove_penetration();
+    for (int round = 0; round < separation_rounds && !laws_.compliant() && push_overlaps_apart();) ++round;
     wrap();
     return report;
   }
@@ -127,16 +121,19 @@ class WorldDvi final : public World {
 
   /// Prescribed bodies stand where they were prescribed to be, and move with the twist that takes them to the step's end.
   void place_prescribed(double dt) {
+    yielding_.begin_step();
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
       const Body& body = model_.bodies[i];
       if (body.dynamic) continue;
       const Pose initial{model_.initial.position[i], model_.initial.orientation[i]};
       const Pose pose = pose_at(body.motion, initial, time_);
       const Twist twist = mean_twist(body.motion, initial, time_, dt);
+      const double height = position_[i].z(), rise = velocity_[i].z();
       position_[i] = pose.position / units_.length;
       orientation_[i] = pose.orientation;
       velocity_[i] = twist.linear / units_.velocity();
       angular_[i] = twist.angular * units_.time;
+      if (body.yield) yielding_.place(i, height, rise, position_[i], velocity_[i]);
     }
   }
 
@@ -167,6 +164,8 @@ class WorldDvi final : public World {
       const Mat3 world = isotropic_[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
       inverse_[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
     });
+    for (const std::int32_t i : yielding_.released())
+      free_velocity_[static_cast<std::size_t>(i)].z() = yielding_.free_rise(static_cast<std::size_t>(i), h);
   }
 
   /// The bodies where they are, with these velocities.
@@ -245,15 +244,34 @@ class WorldDvi final : public World {
     }
   }
 
+  /// Once more for each body found to give way.
+  SolveReport solve_contacts(const std::vector<FoundContact>& found, double h) {
+    const ConeSolver solver = [this](const auto& p, auto g, auto& v, auto& w) { return solve(p, options_, g, v, w); };
+    SolveReport solved;
+    int iterations = 0;
+    do {
+      build_problem(found, h);
+      if (options_.warm_start)
+        last_.start(found, problem_, h, options_.threads, impulse_);
+      else
+        impulse_.assign(found.size(), Impulse{});
+      yielding_.add_stops(slot_, h, problem_, impact_, impulse_);
+      solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_, angular_after_);
+      solved.iterations = iterations += solved.iterations;
+    } while (yielding_.any() && yielding_.release_overloaded(found, problem_, impulse_, h));
+    return solved;
+  }
+
   void build_problem(const std::vector<FoundContact>& found, double h) {
     const std::size_t n = model_.bodies.size();
-    problem_.dynamic_bodies = static_cast<std::int32_t>(finder_.order().size());
+    body_of_slot_.assign(finder_.order().begin(), finder_.order().end());
+    body_of_slot_.insert(body_of_slot_.end(), yielding_.released().begin(), yielding_.released().end());
+    problem_.dynamic_bodies = static_cast<std::int32_t>(body_of_slot_.size());
     problem_.inverse_mass.assign(n, {});
     problem_.velocity.resize(n);
     problem_.angular_velocity.resize(n);
-    body_of_slot_.assign(finder_.order().begin(), finder_.order().end());
     for (std::size_t i = 0; i < n; ++i)
-      if (!model_.bodies[i].dynamic) body_of_slot_.push_back(static_cast<std::int32_t>(i));
+      if (!model_.bodies[i].dynamic && !yielding_.is_released(i)) body_of_slot_.push_back(static_cast<std::int32_t>(i));
     for (std::size_t s = 0; s < n; ++s) {
       const auto body = static_cast<std::size_t>(body_of_slot_[s]);
       slot_[body] = static_cast<std::int32_t>(s);
@@ -315,13 +333,8 @@ class WorldDvi final : public World {
   }
 
   /// What the linear step left of overlap (turning bodies, curved tools, the solver's tolerance) is measured by geometry at
-  /// the new positions and taken away there; deep overlap again, because the correction is linear too.
-  void remove_penetration() {
-    for (int round = 0; round < separation_rounds; ++round)
-      if (!push_overlaps_apart()) return;
-  }
-
-  /// Returns whether there was overlap deep enough to look again.
+  /// the new positions and taken away there. Returns whether it was deep enough to look again, because the correction is
+  /// linear too.
   bool push_overlaps_apart() {
     const std::size_t n = model_.bodies.size();
     resting_.assign(n, Vec3::Zero());
@@ -385,24 +398,18 @@ class WorldDvi final : public World {
            units_.length;
   }
 
-  /// Turns a body by a rotation vector. The angular velocity is carried over so that the angular momentum of a tumbling body
-  /// stays what it was while its axes turn.
+  /// Turns a body by a rotation vector; its angular momentum stays what it was.
   void turn_body(std::size_t body, const Vec3& turn) {
     if (turn.squaredNorm() == 0) return;
-    const Mat3 before = orientation_[body].toRotationMatrix();
-    orientation_[body] = (rotation_of(turn) * orientation_[body]).normalized();
-    if (isotropic_[body]) return;
-    const Mat3 after = orientation_[body].toRotationMatrix();
-    const Vec3 momentum = before * inertia_[body].cwiseProduct(before.transpose() * angular_[body]);
-    angular_[body] = after * (after.transpose() * momentum).cwiseQuotient(inertia_[body]);
+    const Quat before = orientation_[body];
+    orientation_[body] = (rotation_of(turn) * before).normalized();
+    if (!isotropic_[body]) angular_[body] = carried_spin(inertia_[body], before, orientation_[body], angular_[body]);
   }
 
   /// The rate at which a body with this angular momentum turns once it has turned by `turn`.
   Vec3 spin_after(std::size_t body, const Vec3& turn) const {
     if (isotropic_[body]) return angular_[body];
-    const Mat3 now = orientation_[body].toRotationMatrix();
-    const Mat3 then = (rotation_of(turn) * orientation_[body]).toRotationMatrix();
-    return then * (then.transpose() * now * inertia_[body].cwiseProduct(now.transpose() * angular_[body])).cwiseQuotient(inertia_[body]);
+    return carried_spin(inertia_[body], orientation_[body], rotation_of(turn) * orientation_[body], angular_[body]);
   }
 
   /// Symplectic Euler; in second order the mean of the velocities at both ends, and the spin half way.
@@ -429,8 +436,12 @@ class WorldDvi final : public World {
       if (model_.bodies[i].dynamic) continue;
       const Pose initial{model_.initial.position[i], model_.initial.orientation[i]};
       const Pose pose = pose_at(model_.bodies[i].motion, initial, time_ + h * units_.time);
+      const double height = position_[i].z(), stop = pose.position.z() / units_.length;
       position_[i] = pose.position / units_.length;
       orientation_[i] = pose.orientation;
+      if (!yielding_.is_released(i)) continue;
+      position_[i].z() = height;
+      yielding_.stand_on_stops(i, stop, position_[i], velocity_[i]);
     }
   }
 
@@ -439,6 +450,7 @@ class WorldDvi final : public World {
   Units units_;
   ContactFinder finder_;
   ContactLaws laws_;
+  YieldingBodies yielding_;
   std::vector<double> mass_;
   std::vector<Vec3> inertia_;
   std::vector<double> bound_;  // radius of a ball about the position
@@ -478,6 +490,8 @@ std::unique_ptr<World> make_world(const Model& model, const SolverOptions& optio
   validate(model);
   if (!(options.tolerance > 0) || !(options.max_iterations > 0) || options.threads < 1 || !(options.search_margin >= 1))
     throw Error("solver", "tolerance and max_iterations must be positive, threads and search_margin at least 1", "");
+  if (options.integration == Integration::second_order && YieldingBodies(model, units_of(model)).any())
+    throw Error("solver.integration", "a tool that yields is stepped by symplectic Euler alone", "leave the integration at its default");
   return std::make_unique<WorldDvi>(model, options);
 }
 

@@ -13,7 +13,7 @@ constexpr double along_the_normal = 1e-9;  // sine of the angle below which a di
 double inverse_mass(const InverseMass& m, const Vec3& arm, const Vec3& normal) {
   const Vec3 t = arm.cross(normal);
   const std::array<double, 6>& i = m.inertia;
-  return m.mass + i[0] * t.x() * t.x() + i[3] * t.y() * t.y() + i[5] * t.z() * t.z() +
+  return m.mass + m.lift * normal.z() * normal.z() + i[0] * t.x() * t.x() + i[3] * t.y() * t.y() + i[5] * t.z() * t.z() +
          2 * (i[1] * t.x() * t.y() + i[2] * t.x() * t.z() + i[4] * t.y() * t.z());
 }
 

@@ -49,3 +49,13 @@ expect 0 "$bed" --out "$work/two" --quiet --threads 2
 says 'reused'
 cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'another number of threads, another run.h5'
 cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'another number of threads, another surface'
+
+# A roller held down by a load: one that the powder never lifts spreads as the rigid one does; a light one rides on the grains.
+expect 0 "$bed" --out "$work/heavy" --quiet --set 'tools.roller.yield={load: 5 uN, mass: 1 ug}'
+says 'rise             0 um in the mean'
+cmp -s "$work/one/surface.png" "$work/heavy/surface.png" || fail 'a load that is never lifted changes the surface'
+expect 0 "$bed" --out "$work/light" --quiet --set 'tools.roller.yield={load: 0.02 uN, mass: 1 ug}'
+grep -qE 'rise             [1-9][0-9.]* um in the mean' "$work/log" || fail 'a light roller does not rise'
+grep -qF 'Rise of the spreader' "$work/light/report.html" || fail 'the report does not tell of the rise'
+expect 2 "$bed" --out "$work/bad" --set 'tools.roller.yield={load: 0.02 uN}'
+says 'key `mass` is missing'

@@ -37,7 +37,7 @@ Model rich_model() {
                     .restitution = 0.2,
                     .cohesion = 0.3,
                     .cohesion_range = 1e-3};
-  return ModelBuilder()
+  Model model = ModelBuilder()
       .material("pa12", 1020)
       .material("steel", 7800)
       .law("pa12", "pa12", law)
@@ -58,6 +58,8 @@ Model rich_model() {
       .effect(LinearDrag{1.8e-5})
       .effect(FiniteReynoldsDrag{1.8e-5, 1.2})
       .build();
+  model.bodies[1].yield = Yield{.load = 3, .mass = 0.5};
+  return model;
 }
 
 void expect_invalid(const std::function<void(Model&)>& spoil, const std::string& place) {
@@ -112,6 +114,10 @@ TEST(Model, ValidationAcceptsTheGoodAndNamesTheBad) {
   expect_invalid([](Model& m) { m.bodies[1].motion.stop = 0; }, "body 1 (roller)");
   expect_invalid([](Model& m) { m.bodies[1].motion.velocity.x() = nan; }, "body 1 (roller)");
   expect_invalid([](Model& m) { m.bodies[1].motion.vibration_frequency = -1; }, "body 1 (roller)");
+  expect_invalid([](Model& m) { m.bodies[1].yield->load = -1; }, "body 1 (roller)");
+  expect_invalid([](Model& m) { m.bodies[1].yield->mass = 0; }, "body 1 (roller)");
+  expect_invalid([](Model& m) { m.bodies[1].yield->load = nan; }, "body 1 (roller)");
+  expect_invalid([](Model& m) { m.bodies[3].yield = Yield{1, 1}; }, "body 3 (box)");
   expect_invalid([](Model& m) { m.bodies[2].active[0] = {1, 1}; }, "body 2");
   expect_invalid([](Model& m) { m.bodies[2].gate_tolerance = -1; }, "body 2");
   expect_invalid([](Model& m) { m.bodies[0].role = BodyRole::grain; }, "body 1 (roller)");
@@ -209,6 +215,7 @@ TEST(FroudeScaling, EachQuantityByItsPowerOfTheLength) {
   EXPECT_EQ(small.bodies[1].motion.angular_velocity, model.bodies[1].motion.angular_velocity * 2);
   EXPECT_EQ(small.bodies[1].motion.vibration_frequency, 120);
   EXPECT_EQ(small.bodies[2].active[0].to, 0.25);
+  EXPECT_EQ(*small.bodies[1].yield, (Yield{3.0 / 64, 0.5 / 64}));
   EXPECT_EQ(small.initial.velocity[3], model.initial.velocity[3] / 2);
   EXPECT_EQ(small.initial.angular_velocity[3], model.initial.angular_velocity[3] * 2);
   EXPECT_EQ(std::get<LinearDrag>(small.effects[2]).viscosity, 1.8e-5 / 8);

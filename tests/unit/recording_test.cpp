@@ -37,6 +37,12 @@ class RecordingTest : public testing::Test {
   static StepRecord record(int k) {
     return {0.1 * k, StepReport{k, 2 * k, 1e-4 * k, k % 2 == 0, k % 3 == 0, 1e-7 * k, -1e-12 * k}};
   }
+  static StepRecord record_of_a_tool_that_yields(int k) {
+    StepRecord line = record(k);
+    line.tool_force = Vec3(0.1, 0, 1.0 / 3) * k;
+    line.tool_rise = 1e-6 / 3 * k;
+    return line;
+  }
   void write_run(int frames, const std::string& text = "duration: 1\n", std::uint64_t seed = 7) {
     Recorder recorder(folder, model, text, "dvi", seed, false);
     for (int k = 0; k < frames; ++k) {
@@ -87,6 +93,28 @@ TEST_F(RecordingTest, GivesTheModelBackToTheLastBit) {
   EXPECT_EQ(r.model.initial.velocity[4], model.initial.velocity[4]);
   EXPECT_EQ(r.model.effects.size(), 3u);
   EXPECT_EQ(r.model.names, model.names);
+}
+
+TEST_F(RecordingTest, GivesAToolThatYieldsBack) {
+  model.bodies[0].yield = Yield{1.0 / 3, 0.1};
+  Recorder recorder(folder, model, "duration: 1\n", "dvi", 7, false);
+  for (int k = 0; k < 3; ++k) {
+    recorder.frame(state_at(0.1 * k));
+    recorder.step(record_of_a_tool_that_yields(k));
+  }
+  Frame frame;
+  frame.state = state_at(0.2);
+  recorder.checkpoint(frame, 1, false);
+  recorder.finish();
+  const Recording r = read_recording(folder / "run.h5");
+  ASSERT_TRUE(r.model.bodies[0].yield);
+  EXPECT_EQ(*r.model.bodies[0].yield, *model.bodies[0].yield);
+  EXPECT_FALSE(r.model.bodies[1].yield);
+  ASSERT_EQ(r.steps.size(), 3u);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(r.steps[static_cast<std::size_t>(k)].tool_rise, record_of_a_tool_that_yields(k).tool_rise);
+    EXPECT_EQ(r.steps[static_cast<std::size_t>(k)].tool_force, record_of_a_tool_that_yields(k).tool_force);
+  }
 }
 
 TEST_F(RecordingTest, GivesFramesStepsAndSettingsBack) {
