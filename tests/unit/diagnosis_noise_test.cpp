@@ -49,6 +49,23 @@ TEST(Noise, ForgetsKinks) {
   EXPECT_NEAR(noise_model(x).sd, 1e-3, 1.5e-4);
 }
 
+TEST(Noise, HeavyTailsCountInFull) {
+  // Student's t with four degrees of freedom, of unit variance; the median of differences alone gives 0.86.
+  Random random(7, 1);
+  std::vector<double> x;
+  for (int i = 0; i < 20000; ++i) {
+    const double chi2 = -2 * std::log(random.uniform() * random.uniform());
+    x.push_back(normal(random) / std::sqrt(chi2 / 4) / std::sqrt(2));
+  }
+  EXPECT_NEAR(noise_model(x).sd, 1, 0.06);
+}
+
+TEST(Noise, AWeakCorrelationIsFoundInAsManySamplesAsARecordingHas) {
+  int found = 0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) found += noise_model(with_noise(1700, 1e-3, 0.25, 100 + seed)).phi > 0.1;
+  EXPECT_GE(found, 18);
+}
+
 TEST(Noise, MissingSamplesBreakTheChain) {
   std::vector<double> x = with_noise(1000, 1e-3, 0, 4);
   for (std::size_t i = 0; i < x.size(); i += 17) x[i] = NAN;
