@@ -268,6 +268,20 @@ Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std
   return fit;
 }
 
+Fit begun_within(const Problem& problem, const Layout& layout, const Fit& larger) {
+  const auto take_over = [](const std::vector<Parameter>& from, const Values& theirs, const std::vector<Parameter>& to, Values& ours) {
+    for (std::size_t i = 0; i < to.size(); ++i)
+      for (std::size_t j = 0; j < from.size(); ++j)
+        if (from[j].use == to[i].use && from[j].key == to[i].key && from[j].component == to[i].component && from[j].effect == to[i].effect)
+          ours[static_cast<Eigen::Index>(i)] = theirs[static_cast<Eigen::Index>(j)];
+  };
+  Fit start = start_of(problem, layout, larger.runs);
+  take_over(larger.layout.shared, larger.shared, layout.shared, start.shared);
+  for (std::size_t run = 0; run < start.own.size(); ++run)
+    take_over(larger.layout.per_run[run], larger.own[run], layout.per_run[run], start.own[run]);
+  return start;
+}
+
 Fit evaluated(const Problem& problem, Fit fit) {
   evaluate(problem, fit);
   return fit;

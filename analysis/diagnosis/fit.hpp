@@ -31,6 +31,9 @@ struct FitOptions {
 /// The start values of a layout.
 Fit start_of(const Problem& problem, const Layout& layout, const std::vector<std::size_t>& runs);
 
+/// The start of a layout with the values of another fit for all parameters that both have.
+Fit begun_within(const Problem& problem, const Layout& layout, const Fit& larger);
+
 /// The fit with residuals and chi^2 of the values that it has.
 Fit evaluated(const Problem& problem, Fit fit);
 

@@ -14,8 +14,37 @@ constexpr double poor_fit = 2;  // chi^2 per degree of freedom
 constexpr double shares[] = {-0.3, -0.1, -0.03, -0.01, -0.003, 0.003, 0.01, 0.03, 0.1, 0.3, 0.6, 0.9};  // of the range, from nothing
 constexpr double small_share = 0.03;
 constexpr int further_points = 8;
+constexpr std::size_t weaker_points = 3;
 
 double at_log(const Parameter& p, double share) { return p.lower * std::pow(p.upper / p.lower, share); }
+
+/// How many of the first parameters say how strong the effect is: the components of one quantity, a vector or the two angles of a tilt.
+std::size_t strengths_of(const std::vector<Parameter>& parameters) {
+  std::size_t count = 1;
+  while (count < parameters.size() && (parameters[count].component > 0 || parameters[count].unit == "deg") && !parameters[0].logarithmic) ++count;
+  return count;
+}
+
+double nothing_of(const Parameter& p) { return std::isfinite(p.null) ? p.null : p.start; }
+
+bool is_wave(const std::vector<Parameter>& parameters) {
+  return std::any_of(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key.ends_with(".phase"); });
+}
+
+/// Points between those that are tried of a frequency, on either side of `point`; none for what has no phase.
+std::vector<Values> between(const std::vector<Parameter>& parameters, const Values& point) {
+  std::vector<Values> points;
+  if (!is_wave(parameters)) return points;
+  for (std::size_t j = strengths_of(parameters); j < parameters.size(); ++j) {
+    if (!parameters[j].logarithmic) continue;
+    for (const double part : {-0.5, -0.25, 0.25, 0.5}) {
+      points.push_back(point);
+      double& value = points.back()[static_cast<Eigen::Index>(j)];
+      value = std::clamp(value * std::pow(parameters[j].upper / parameters[j].lower, part / (2 * further_points)), parameters[j].lower, parameters[j].upper);
+    }
+  }
+  return points;
+}
 
 /// Values of the term's shared parameters that are tried.
 std::vector<Values> tried_points(const std::vector<Parameter>& parameters, int points) {
@@ -26,14 +55,10 @@ std::vector<Values> tried_points(const std::vector<Parameter>& parameters, int p
     base[static_cast<Eigen::Index>(k)] = value;
     tried.push_back(std::move(base));
   };
-  // Components of one quantity: of a vector, or the two angles of a tilt.
-  std::size_t components = 1;
-  while (components < parameters.size() && (parameters[components].component > 0 || parameters[components].unit == "deg") &&
-         !parameters[0].logarithmic)
-    ++components;
+  const std::size_t components = strengths_of(parameters);
   const auto linear = [&](const Values& base, std::size_t k, double share) {
     const Parameter& p = parameters[k];
-    const double value = (std::isfinite(p.null) ? p.null : p.start) + share * (p.upper - p.lower);
+    const double value = nothing_of(p) + share * (p.upper - p.lower);
     if (value >= p.lower && value <= p.upper) add(base, k, value);
   };
   if (parameters[0].logarithmic) {
@@ -44,7 +69,7 @@ std::vector<Values> tried_points(const std::vector<Parameter>& parameters, int p
   }
   // A wave is found by its direction only near its frequency, and as a sum of two, a quarter of a period apart.
   const auto phase = std::find_if(parameters.begin(), parameters.end(), [](const Parameter& p) { return p.key.ends_with(".phase"); });
-  const int quarters = phase != parameters.end() ? 2 : 1, count = quarters * further_points;
+  const int quarters = is_wave(parameters) ? 2 : 1, count = quarters * further_points;
   for (std::size_t j = components; j < parameters.size(); ++j) {
     if (!parameters[j].logarithmic) continue;
     for (int i = 0; i < count * quarters; ++i) {
@@ -69,7 +94,8 @@ class Screening {
     layout_ = problem.layout(hypothesis);
     layout_.numerics = nominal.layout.numerics;
     best_.term = term;
-    best_.reached = nuisance.left_of_vector(nuisance.residual()).squaredNorm();
+    left_ = nuisance.left_of_vector(nuisance.residual());
+    best_.reached = left_.squaredNorm();
   }
 
   Screened shared(int points) {
@@ -90,10 +116,12 @@ class Screening {
           directions.push_back(probe.basis.col(0));
           keep(std::move(probe));
         }
+        foresee(near, point);
         consider(near, point, false);
       }
       if (poor) consider(stacked(values, true), point, true);
     }
+    try_weaker(parameters, values);
     best_.reached = std::min(best_.reached, reached_together(directions));
     return std::move(best_);
   }
@@ -135,10 +163,9 @@ class Screening {
   /// Of a weak effect the points that are tried are all too far, and of a vector they are tried along its axes alone: what the
   /// strongest few directions promise together where the residual is linear. At most as many as a vector has components.
   double reached_together(const std::vector<Eigen::VectorXd>& directions) const {
-    const Eigen::VectorXd left = nuisance_.left_of_vector(nuisance_.residual());
-    double reached = left.squaredNorm();
+    double reached = left_.squaredNorm();
     std::vector<Eigen::VectorXd> taken;
-    Eigen::VectorXd rest = left;
+    Eigen::VectorXd rest = left_;
     for (int k = 0; k < 3 && !nominal_.residual.empty(); ++k) {
       double most = 0;
       Eigen::VectorXd best;
@@ -173,6 +200,45 @@ class Screening {
     best_.probes.push_back(std::move(probe));
   }
 
+  /// A point may lie in the right direction and far too far, or just opposite: a wave of the right frequency and too large an
+  /// amplitude leads a fit astray, and one half a period late promises nothing as it is.
+  struct Foreseen {
+    double chi2;   ///< least along the straight line from nothing to the point
+    double share;  ///< of the way, where that is; negative: on the other side of nothing
+    Values point;
+  };
+
+  void foresee(const Eigen::VectorXd& r, const Values& point) {
+    const Eigen::VectorXd way = nuisance_.left_of_vector(r - nuisance_.residual());
+    const double along = -way.dot(left_), length = way.squaredNorm();
+    if (along != 0 && std::abs(along) < length) foreseen_.push_back({left_.squaredNorm() - along * along / length, along / length, point});
+  }
+
+  void try_weaker(const std::vector<Parameter>& parameters, Values values) {
+    const auto best_first = [&] {
+      std::stable_sort(foreseen_.begin(), foreseen_.end(), [](const Foreseen& a, const Foreseen& b) { return a.chi2 < b.chi2; });
+    };
+    best_first();
+    std::vector<Values> closer;
+    for (std::size_t i = 0; i < std::min(weaker_points, foreseen_.size()); ++i)
+      for (Values& point : between(parameters, foreseen_[i].point)) closer.push_back(std::move(point));
+    for (const Values& point : closer) {
+      values.tail(point.size()) = point;
+      if (const Eigen::VectorXd near = stacked(values, false); near.size() > 0) foresee(near, point);
+    }
+    best_first();
+    for (std::size_t i = 0; i < std::min(weaker_points, foreseen_.size()); ++i) {
+      Values point = foreseen_[i].point;
+      for (std::size_t k = 0; k < strengths_of(parameters); ++k) {
+        double& value = point[static_cast<Eigen::Index>(k)];
+        const double nothing = nothing_of(parameters[k]);
+        value = std::clamp(nothing + foreseen_[i].share * (value - nothing), parameters[k].lower, parameters[k].upper);
+      }
+      values.tail(point.size()) = point;
+      consider(stacked(values, false), point, false);
+    }
+  }
+
   void consider(const Eigen::VectorXd& r, const Values& point, bool from_data) {
     if (r.size() == 0) return;
     const double chi2 = nuisance_.left_of_vector(r).squaredNorm();
@@ -187,7 +253,9 @@ class Screening {
   const Fit& nominal_;
   const Nuisance& nuisance_;
   Layout layout_;
+  Eigen::VectorXd left_;  // of the nominal's residual, nuisance taken out
   Screened best_;
+  std::vector<Foreseen> foreseen_;
   double smallest_ = std::numeric_limits<double>::infinity();
 };
 

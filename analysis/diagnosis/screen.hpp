@@ -22,7 +22,8 @@ struct Screened {
 
 /// The search: the first parameter log-spaced (`points` values) or at both signs, each component of a vector alone; further
 /// logarithmic parameters (frequencies, ranges) in turn at a small first one, waves twice as densely and at two phases. Where the nominal fit is poor its start values are
-/// distorted: then also from the start values as read off the data.
+/// distorted: then also from the start values as read off the data. Points that lie in the right direction but too far are tried
+/// again as near as a straight line promises most.
 Screened screen(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, const Term& term, int points);
 
 /// All probes of a list.

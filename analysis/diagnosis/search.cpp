@@ -21,6 +21,7 @@ constexpr double promising = 1.2;         // times the chi^2 to beat, after a sh
 constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3, pairs_foreseen = 6;
+constexpr std::size_t pairs_parted = 3;
 constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
 constexpr double coarse_scene = 3;        // of the noise, rms: a step that errs by less is none that anyone would blame
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
@@ -76,6 +77,7 @@ void Search::run() {
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_stated();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
     if (!stopped() && base_ != 0) fit_without_numerics();
+    if (!stopped()) fit_parts_of_pairs();
     if (stopped() || !guard()) return;
     left_.clear();
     lack_ = judge(fits_.front());
@@ -179,6 +181,8 @@ Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms,
       at += static_cast<Eigen::Index>(s->shared_start.size());
     }
     for (std::size_t run = 0; run < start.own.size() && !from_data; ++run) start.own[run].head(base.own[run].size()) = base.own[run];
+    // Start values first: those that suit the base do not suit the screened point, and would drive the fit away from it.
+    if (at_screened) start = minimise_own(problem_, evaluated(problem_, std::move(start)), train_, options);
     return minimise(problem_, start, options);
   };
   Fit best = begin(true, false);
@@ -296,6 +300,35 @@ void Search::fit_pairs() {
   std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
   for (std::size_t i = 0; i < std::min<std::size_t>(4, begun.size()) && !stopped(); ++i)
     if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
+}
+
+/// Each effect of the best pairs alone, begun where the pair ended: what the other one was needed for may only have been the way there.
+void Search::fit_parts_of_pairs() {
+  std::vector<Fit> pairs;
+  double best_single = std::numeric_limits<double>::infinity();
+  for (const Fit& fit : fits_) {
+    const std::size_t terms = without_numerics(fit.layout.hypothesis).terms.size();
+    if (terms == 1) best_single = std::min(best_single, fit.chi2);
+    if (terms == 2) pairs.push_back(fit);
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  for (std::size_t i = 0; i < std::min(pairs_parted, pairs.size()); ++i)
+    for (const Term& term : pairs[i].layout.hypothesis.terms) {
+      if (stopped()) return;
+      const Hypothesis alone{{term}};
+      const auto known = std::find_if(fits_.begin(), fits_.end(), [&](const Fit& fit) { return same_as_one_of({fit}, alone); });
+      const double wanted = known == fits_.end() ? best_single : known->chi2;
+      tell(alone.label() + " from where " + pairs[i].layout.hypothesis.label() + " ended", static_cast<double>(i), static_cast<double>(pairs_parted));
+      Layout layout = problem_.layout(alone);
+      layout.numerics = pairs[i].layout.numerics;
+      Fit again = improved_if_promising(evaluated(problem_, begun_within(problem_, layout, pairs[i])), wanted);
+      if (!(again.chi2 < wanted - gains_to_matter)) continue;
+      left_.erase(alone.label());  // what the fit before it left is no longer so
+      if (known == fits_.end())
+        keep(std::move(again));
+      else
+        *known = std::move(again);
+    }
 }
 
 /// Does the mismatch go away with another step, with a tenth of the tolerance, or with the other contact law?

@@ -71,6 +71,7 @@ class Search {
   void fit_singles();
   void fit_stated();
   void fit_pairs();
+  void fit_parts_of_pairs();
   std::vector<std::pair<std::size_t, std::size_t>> foresee_pairs(const std::vector<std::size_t>& singles, const std::vector<Screened>& screened);
   void fit_numerics();
   void fit_numerics(const char* name, const std::vector<Numerics>& ways);
