@@ -42,6 +42,12 @@ class StagnationWatch {
 };
 
 template <class Real>
+struct Packed {
+  PackedProblem<Real> problem;
+  Momentum<Real> momentum;
+};
+
+template <class Real>
 struct Iterate {
   double residual = std::numeric_limits<double>::infinity();
   std::vector<Batch<Real>> batches;
@@ -49,10 +55,12 @@ struct Iterate {
 
 template <class Real>
 SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& options, const Colouring& colouring,
-                         std::span<Impulse> impulse, std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity) {
+                         std::span<Impulse> impulse, std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity,
+                         Packed<Real>& room) {
   // Few contacts are not worth waking a thread for.
   const int threads = problem.contacts.size() < 1000 ? 1 : options.threads;
-  PackedProblem<Real> packed = pack<Real>(problem, colouring, impulse, threads);
+  PackedProblem<Real>& packed = room.problem;
+  pack<Real>(problem, colouring, impulse, threads, packed);
   renew_friction(packed, problem, threads);
   SolveReport report;
   report.bytes = packed.bytes();
@@ -64,9 +72,9 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
   StagnationWatch watch;
   Iterate<Real> best;
   const bool many = problem.contacts.size() > many_contacts;
-  std::optional<Momentum<Real>> momentum;
-  if (many && !gradient) {
-    momentum.emplace(packed);
+  Momentum<Real>* momentum = many && !gradient ? &room.momentum : nullptr;
+  if (momentum != nullptr) {
+    momentum->begin(packed, threads);
     report.bytes += momentum->bytes();
   }
   double relaxation = 1;
@@ -81,15 +89,15 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     if (gradient) {
       report.iterations += gradient->phase(std::max(n, 4));
     } else {
-      gauss_seidel(packed, options.law, n, relaxation, momentum ? &*momentum : nullptr, threads);
+      gauss_seidel(packed, options.law, n, relaxation, momentum, threads);
       report.iterations += n;
     }
     renew_friction(packed, problem, threads);
     const double before = report.residual;
     report.residual = residual(packed, options.law, threads);
-    if (momentum && report.residual > before) {
+    if (momentum != nullptr && report.residual > before) {
       momentum->falter();
-    } else if (momentum) {
+    } else if (momentum != nullptr) {
       momentum->recover();
     }
     stride = std::min(stride + 2, 16);
@@ -99,8 +107,8 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     }
     if (watch.stands_still(report.residual, report.iterations)) {
       report.cycling = true;
-      if (!momentum) relaxation = std::max(0.5, 0.7 * relaxation);
-      momentum.reset();
+      if (momentum == nullptr) relaxation = std::max(0.5, 0.7 * relaxation);
+      momentum = nullptr;
       gradient.reset();
     }
   }
@@ -112,7 +120,7 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
     SolverOptions convex = options;
     convex.law = ContactLaw::relaxed;
     const double exact_residual = report.residual;
-    const SolveReport other = solve_packed<Real>(problem, convex, colouring, impulse, velocity, angular_velocity);
+    const SolveReport other = solve_packed<Real>(problem, convex, colouring, impulse, velocity, angular_velocity, room);
     report.iterations += other.iterations;
     report.residual = exact_residual;
     report.converged = false;
@@ -126,15 +134,23 @@ SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& option
 
 }  // namespace
 
+struct SolverRoom::Space {
+  Packed<float> coarse;
+  Packed<double> fine;
+};
+
+SolverRoom::SolverRoom() : space_(std::make_unique<Space>()) {}
+SolverRoom::~SolverRoom() = default;
+
 SolveReport solve(const ConeProblem& problem, const SolverOptions& options, std::span<Impulse> impulse,
-                  std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity) {
+                  std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity, SolverRoom& room) {
   velocity = problem.velocity;
   angular_velocity = problem.angular_velocity;
   if (problem.contacts.empty()) return {};
   const Colouring colouring = colour_contacts(problem);
   if (problem.contacts.size() > single_precision_above && options.tolerance >= 1e-5)
-    return solve_packed<float>(problem, options, colouring, impulse, velocity, angular_velocity);
-  return solve_packed<double>(problem, options, colouring, impulse, velocity, angular_velocity);
+    return solve_packed<float>(problem, options, colouring, impulse, velocity, angular_velocity, room.space().coarse);
+  return solve_packed<double>(problem, options, colouring, impulse, velocity, angular_velocity, room.space().fine);
 }
 
 }  // namespace repose::dvi

@@ -1,5 +1,6 @@
 #pragma once
 /// Solves a cone problem with the chosen method, and says how far it got.
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,18 @@ struct SolveReport {
   std::size_t bytes = 0;    ///< memory of the packed problem
 };
 
+/// Room for packed problems that serves from one step to the next.
+class SolverRoom {
+ public:
+  SolverRoom();
+  ~SolverRoom();
+  struct Space;
+  Space& space() { return *space_; }
+
+ private:
+  std::unique_ptr<Space> space_;
+};
+
 /// In: `impulse`, the first guess (one per contact; zeros for a cold start). Out: impulses, and the velocities of all bodies
 /// that they give.
 ///
@@ -29,6 +42,6 @@ struct SolveReport {
 /// residual is above 0.5, the relaxed law is solved for this step instead. `converged` always speaks of the exact law's
 /// residual unless the relaxed law was asked for.
 SolveReport solve(const ConeProblem& problem, const SolverOptions& options, std::span<Impulse> impulse,
-                  std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity);
+                  std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity, SolverRoom& room);
 
 }  // namespace repose::dvi

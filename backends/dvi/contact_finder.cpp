@@ -40,6 +40,8 @@ ContactFinder::ContactFinder(const Model& model, double unit)
     const auto* sphere = shape.parts.size() == 1 ? std::get_if<Sphere>(&shape.parts[0].primitive) : nullptr;
     const bool centred = sphere != nullptr && shape.parts[0].pose.position.isZero(0);
     sphere_.push_back(centred ? sphere->radius * scale : 0.0);
+    material_.push_back(body.material);
+    gated_.push_back(!body.active.empty());
     for (const Part& part : shape.parts) {
       PlacedPart placed;
       placed.primitive.primitive = &part.primitive;
@@ -185,9 +187,9 @@ ContactFinder::Candidate ContactFinder::candidate(const BodyPlacement& placement
   c.resting_margin = resting_margin_[i];
   c.sphere = sphere_[i];
   c.body = body;
-  c.material = model_.bodies[i].material;
+  c.material = material_[i];
   c.present = present_[i] != 0;
-  c.gated = !model_.bodies[i].active.empty();
+  c.gated = gated_[i] != 0;
   return c;
 }
 
@@ -219,11 +221,15 @@ void ContactFinder::each_chunk(std::vector<Chunk>& chunks, std::size_t count, in
   });
 }
 
-void ContactFinder::gather(const std::vector<Chunk>& chunks, std::vector<FoundContact>& out) {
-  std::size_t all = out.size();
-  for (const Chunk& chunk : chunks) all += chunk.found.size();
-  reserve_sparingly(out, all);
-  for (const Chunk& chunk : chunks) out.insert(out.end(), chunk.found.begin(), chunk.found.end());
+void ContactFinder::gather(std::span<const FoundContact> first, const std::vector<Chunk>& chunks, int threads,
+                           std::vector<FoundContact>& out) {
+  std::vector<std::size_t> start{first.size()};
+  for (const Chunk& chunk : chunks) start.push_back(start.back() + chunk.found.size());
+  resize_sparingly(out, start.back());
+  std::copy(first.begin(), first.end(), out.begin());
+  for_each_index(threads, chunks.size(), [&](std::size_t k) {
+    std::copy(chunks[k].found.begin(), chunks[k].found.end(), out.begin() + static_cast<std::ptrdiff_t>(start[k]));
+  });
 }
 
 void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
@@ -239,8 +245,7 @@ void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double st
       for (const Candidate& tool : tools) collide_bodies(body, tool, step, scratch, tool_chunk_[number].found);
     }
   });
-  tool_contacts_.clear();
-  gather(tool_chunk_, tool_contacts_);
+  gather({}, tool_chunk_, threads, tool_contacts_);
 }
 
 Vec3 ContactFinder::image_shift(std::span<const Vec3> position, std::int32_t a, std::int32_t b) const {
@@ -252,6 +257,7 @@ Vec3 ContactFinder::shift_between(const Vec3& from, const Vec3& to, std::int32_t
   if (!periodic_) return Vec3::Zero();
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
   Vec3 shift = cell_.to_nearest(to - from);
+  if (shift.isZero(0)) return shift;
   for (int k = 0; k < 2; ++k)
     if ((endless_[i] | endless_[j]) >> k & 1) shift[k] = 0;
   return shift;
@@ -327,16 +333,15 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
   find_tool_contacts(placement, step, threads);
   local_speeds(placement, step);
 
-  centre_.clear();
-  reach_.clear();
-  for (std::int32_t i : dynamic_) {
-    const auto body = static_cast<std::size_t>(i);
-    centre_.push_back(placement.position[body]);
+  centre_.resize(dynamic_.size());
+  reach_.resize(dynamic_.size());
+  for_each_index(threads, dynamic_.size(), [&](std::size_t at) {
+    const auto body = static_cast<std::size_t>(dynamic_[at]);
+    centre_[at] = placement.position[body];
     // The stir bounds the difference of any two velocities nearby, so this covers the reach of every pair.
-    reach_.push_back(bound_[body] +
-                     search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + resting_margin_[body],
-                                              widest_cohesion_));
-  }
+    reach_[at] = bound_[body] +
+                 search_margin * std::max(step * placement.turning_speed[body] + stir_[body] + resting_margin_[body], widest_cohesion_);
+  });
   broad_.build(centre_, reach_, cell_);
   order_.clear();
   for (std::int32_t i : broad_.order()) order_.push_back(dynamic_[static_cast<std::size_t>(i)]);
@@ -359,8 +364,7 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
       });
     }
   });
-  found_ = tool_contacts_;
-  gather(chunk_, found_);
+  gather(tool_contacts_, chunk_, threads, found_);
   return found_;
 }
 
@@ -374,8 +378,7 @@ const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& 
     for (const auto& [a, b] : chunk.near)
       collide_bodies(candidate_[static_cast<std::size_t>(a)], candidate_[static_cast<std::size_t>(b)], 0, scratch, chunk.found);
   });
-  found_ = tool_contacts_;
-  gather(chunk_, found_);
+  gather(tool_contacts_, chunk_, threads, found_);
   return found_;
 }
 

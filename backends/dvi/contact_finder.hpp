@@ -101,7 +101,8 @@ class ContactFinder {
   /// Runs `search(chunk number, scratch)` for `count` chunks of `chunks`.
   template <class Search>
   static void each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search);
-  static void gather(const std::vector<Chunk>& chunks, std::vector<FoundContact>& out);
+  /// `first`, and after it what the chunks have found.
+  static void gather(std::span<const FoundContact> first, const std::vector<Chunk>& chunks, int threads, std::vector<FoundContact>& out);
 
   const Model& model_;
   double unit_;
@@ -115,6 +116,8 @@ class ContactFinder {
   std::vector<double> sphere_;          ///< per body: Candidate::sphere
   std::vector<double> stir_;            ///< per body: Candidate::stir
   std::vector<double> resting_margin_;  ///< per body
+  std::vector<std::int32_t> material_;  ///< per body
+  std::vector<char> gated_;             ///< per body: exists at some times only
   std::vector<double> cohesion_range_;  ///< per pair of materials
   double widest_cohesion_ = 0;
   double search_margin_ = 1;

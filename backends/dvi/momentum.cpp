@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/resize.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -18,19 +20,22 @@ std::size_t share(std::size_t n, std::ptrdiff_t block, std::ptrdiff_t blocks) {
 }  // namespace
 
 template <class Real>
-Momentum<Real>::Momentum(const PackedProblem<Real>& packed)
-    : rows_(packed.batches.size()),
-      motion_(static_cast<std::size_t>(packed.dynamic_bodies)),
-      turn_((packed.batches.size() + block_batches - 1) / block_batches),
-      cap_(highest_cap) {
-  for (std::size_t i = 0; i < rows_.size(); ++i)
+void Momentum<Real>::begin(const PackedProblem<Real>& packed, int threads) {
+  resize_sparingly(rows_, packed.batches.size());
+  motion_.resize(static_cast<std::size_t>(packed.dynamic_bodies));
+  turn_.resize((packed.batches.size() + block_batches - 1) / block_batches);
+  cap_ = highest_cap;
+  age_ = beta_ = applied_ = 0;
+  for_each_index(threads, rows_.size(), [&](std::size_t i) {
     for (int k = 0; k < 6; ++k) rows_[i].last[k] = packed.batches[i].impulse[k];
-  for (std::size_t i = 0; i < motion_.size(); ++i)
+  });
+  for_each_index(threads, motion_.size(), [&](std::size_t i) {
     for (int k = 0; k < 3; ++k) {
       motion_[i].last[k] = packed.velocity[i].linear[k];
       motion_[i].last[k + 3] = packed.velocity[i].angular[k];
       motion_[i].change[k] = motion_[i].change[k + 3] = 0;
     }
+  });
 }
 
 template <class Real>

@@ -15,7 +15,8 @@ namespace repose::dvi {
 template <class Real>
 class Momentum {
  public:
-  explicit Momentum(const PackedProblem<Real>& packed);
+  /// Starts at rest from what the problem holds. To be called before all else; the room of an earlier problem serves again.
+  void begin(const PackedProblem<Real>& packed, int threads);
 
   std::size_t bytes() const { return rows_.size() * sizeof(Rows) + motion_.size() * sizeof(Motion); }
   /// Takes note of the impulses of a batch, which the last sweep has left, and moves them on to where this sweep starts. To be
@@ -56,7 +57,7 @@ class Momentum {
   std::vector<Rows> rows_;      ///< per batch
   std::vector<Motion> motion_;  ///< per dynamic body
   std::vector<Turn> turn_;      ///< per block, added in order: the same bits at any thread count
-  double cap_, age_ = 0;
+  double cap_ = 0, age_ = 0;
   double beta_ = 0;     ///< of the next extrapolation
   double applied_ = 0;  ///< of the one before, which the impulses have still to follow
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "backends/dvi/batch_kernels.hpp"
+#include "backends/dvi/resize.hpp"
 #include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
@@ -70,31 +71,31 @@ std::size_t PackedProblem<Real>::bytes() const {
 }
 
 template <class Real>
-PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring, std::span<const Impulse> impulse,
-                         int threads) {
+void pack(const ConeProblem& problem, const Colouring& colouring, std::span<const Impulse> impulse, int threads,
+          PackedProblem<Real>& packed) {
   constexpr int lanes = lane_count<Real>;
-  PackedProblem<Real> packed;
   packed.dynamic_bodies = problem.dynamic_bodies;
   const std::size_t bodies = problem.velocity.size();
   const auto idle = static_cast<std::int32_t>(bodies);
-  packed.velocity.resize(bodies + 1, BodyVelocity<Real>{});
-  packed.inverse.resize(bodies + 1, BodyInverse<Real>{});
-  double energy = 0;
-  for (std::size_t i = 0; i < bodies; ++i) {
+  packed.velocity.resize(bodies + 1);
+  packed.inverse.resize(bodies + 1);
+  packed.velocity.back() = {};
+  packed.inverse.back() = {};
+  const double energy = sum_over(threads, bodies, [&](std::size_t i) {
     BodyInverse<Real>& inverse = packed.inverse[i];
     inverse.mass = static_cast<Real>(problem.inverse_mass[i].mass);
     inverse.lift = static_cast<Real>(problem.inverse_mass[i].lift);
     for (std::size_t k = 0; k < 6; ++k) inverse.inertia[k] = static_cast<Real>(problem.inverse_mass[i].inertia[k]);
-    if (problem.inverse_mass[i].mass > 0) energy += problem.velocity[i].squaredNorm() / problem.inverse_mass[i].mass;
-  }
+    return problem.inverse_mass[i].mass > 0 ? problem.velocity[i].squaredNorm() / problem.inverse_mass[i].mass : 0.0;
+  });
   packed.kinetic_scale = std::sqrt(energy);
 
-  packed.colour_start.push_back(0);
+  packed.colour_start.assign(1, 0);
   for (int k = 0; k < colouring.colours(); ++k) {
     const auto n = colouring.start[static_cast<std::size_t>(k) + 1] - colouring.start[static_cast<std::size_t>(k)];
     packed.colour_start.push_back(packed.colour_start.back() + (n + lanes - 1) / lanes);
   }
-  packed.batches.resize(static_cast<std::size_t>(packed.colour_start.back()));
+  resize_sparingly(packed.batches, static_cast<std::size_t>(packed.colour_start.back()));
   packed.contact.assign(packed.batches.size() * lanes, -1);
   for (int k = 0; k < colouring.colours(); ++k) {
     const auto first = static_cast<std::size_t>(colouring.start[static_cast<std::size_t>(k)]);
@@ -103,13 +104,25 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
     for (std::size_t i = first; i < last; ++i) packed.contact[slot + (i - first)] = colouring.order[i];
   }
 
-  bool rotational = false, compliant = false;
-  for (const ConeContact& c : problem.contacts) {
-    rotational = rotational || c.rolling > 0 || c.spinning > 0;
-    compliant = compliant || c.compliance > 0;
+  struct Kind {
+    bool rotational = false, compliant = false;
+  };
+  Kind kind;
+  for (const Kind& of_block : by_blocks(threads, problem.contacts.size(), [&](std::size_t first, std::size_t last) {
+         Kind some;
+         for (std::size_t i = first; i < last; ++i) {
+           const ConeContact& c = problem.contacts[i];
+           some.rotational = some.rotational || c.rolling > 0 || c.spinning > 0;
+           some.compliant = some.compliant || c.compliance > 0;
+         }
+         return some;
+       })) {
+    kind.rotational = kind.rotational || of_block.rotational;
+    kind.compliant = kind.compliant || of_block.compliant;
   }
+  const auto [rotational, compliant] = kind;
   packed.rotational = rotational;
-  if (compliant) packed.compliance.resize(packed.batches.size(), OneLane<Real>{});
+  packed.compliance.assign(compliant ? packed.batches.size() : 0, OneLane<Real>{});
   packed.across = static_cast<Real>(problem.across);
 
   const auto batches = static_cast<std::ptrdiff_t>(packed.batches.size());
@@ -148,16 +161,16 @@ PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring,
     }
   });
   accumulate_velocities(packed, problem, threads);
-  return packed;
 }
 
 template <class Real>
 void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& problem, int threads) {
-  for (std::size_t i = 0; i < problem.velocity.size(); ++i)
+  for_each_index(threads, problem.velocity.size(), [&](std::size_t i) {
     for (int k = 0; k < 3; ++k) {
       packed.velocity[i].linear[k] = static_cast<Real>(problem.velocity[i][k]);
       packed.velocity[i].angular[k] = static_cast<Real>(problem.angular_velocity[i][k]);
     }
+  });
   with_rows(packed, [&](auto rotational) {
     constexpr bool rows = decltype(rotational)::value;
     for (int colour = 0; colour < packed.colours(); ++colour) {
@@ -196,7 +209,6 @@ void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::
     impulse[static_cast<std::size_t>(packed.contact[slot])][2] *= problem.across;
   });
   const auto apply = [&](std::int32_t body, const Vec3& force, const Vec3& torque) {
-    if (body >= problem.dynamic_bodies) return;
     const auto i = static_cast<std::size_t>(body);
     const InverseMass& m = problem.inverse_mass[i];
     velocity[i] += m.mass * force;
@@ -205,22 +217,31 @@ void unpack(const PackedProblem<Real>& packed, const ConeProblem& problem, std::
                                 m.inertia[1] * torque.x() + m.inertia[3] * torque.y() + m.inertia[4] * torque.z(),
                                 m.inertia[2] * torque.x() + m.inertia[4] * torque.y() + m.inertia[5] * torque.z());
   };
-  for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
-    const ConeContact& c = problem.contacts[i];
-    const Impulse& g = impulse[i];
-    Vec3 t1, t2;
-    contact_frame(c, t1, t2);
-    const Vec3 force = g[0] * c.normal + g[1] * t1 + g[2] * t2;
-    const Vec3 couple = c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal);
-    apply(c.a, -force, -(c.arm_a.cross(force) + couple));
-    apply(c.b, force, c.arm_b.cross(force) + couple);
-  }
+  // Every thread goes through all contacts and moves bodies of its own: each gets its impulses in the order of the contacts.
+  for_each_index(threads, static_cast<std::size_t>(threads), [&](std::size_t part) {
+    const auto bound = [&](std::size_t of) {
+      return static_cast<std::int32_t>(static_cast<std::size_t>(problem.dynamic_bodies) * of / static_cast<std::size_t>(threads));
+    };
+    const std::int32_t first = bound(part), last = bound(part + 1);
+    const auto own = [&](std::int32_t body) { return body >= first && body < last; };
+    for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+      const ConeContact& c = problem.contacts[i];
+      if (!own(c.a) && !own(c.b)) continue;
+      const Impulse& g = impulse[i];
+      Vec3 t1, t2;
+      contact_frame(c, t1, t2);
+      const Vec3 force = g[0] * c.normal + g[1] * t1 + g[2] * t2;
+      const Vec3 couple = c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal);
+      if (own(c.a)) apply(c.a, -force, -(c.arm_a.cross(force) + couple));
+      if (own(c.b)) apply(c.b, force, c.arm_b.cross(force) + couple);
+    }
+  });
 }
 
 template struct PackedProblem<double>;
 template struct PackedProblem<float>;
-template PackedProblem<double> pack(const ConeProblem&, const Colouring&, std::span<const Impulse>, int);
-template PackedProblem<float> pack(const ConeProblem&, const Colouring&, std::span<const Impulse>, int);
+template void pack(const ConeProblem&, const Colouring&, std::span<const Impulse>, int, PackedProblem<double>&);
+template void pack(const ConeProblem&, const Colouring&, std::span<const Impulse>, int, PackedProblem<float>&);
 template void accumulate_velocities(PackedProblem<double>&, const ConeProblem&, int);
 template void accumulate_velocities(PackedProblem<float>&, const ConeProblem&, int);
 template void unpack(const PackedProblem<double>&, const ConeProblem&, std::span<Impulse>, std::vector<Vec3>&,

@@ -67,10 +67,11 @@ struct PackedProblem {
   std::size_t padded_contacts() const { return batches.size() * static_cast<std::size_t>(lanes); }
 };
 
-/// Packs the problem with the given first impulses (one per contact), whose effect is added to the free velocities.
+/// Packs the problem with the given first impulses (one per contact), whose effect is added to the free velocities. The room of
+/// `packed` serves again: that of a problem of many contacts, asked for anew, costs more than filling it.
 template <class Real>
-PackedProblem<Real> pack(const ConeProblem& problem, const Colouring& colouring, std::span<const Impulse> impulse,
-                         int threads);
+void pack(const ConeProblem& problem, const Colouring& colouring, std::span<const Impulse> impulse, int threads,
+          PackedProblem<Real>& packed);
 
 /// Recomputes velocity = free velocity + M^-1 J' g from the impulses that the batches hold.
 template <class Real>

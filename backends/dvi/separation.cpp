@@ -49,26 +49,32 @@ class ToVisit {
   std::size_t waiting_ = 0;
 };
 
-/// The contacts of each body that can be moved.
+/// The contacts of each body, in chains.
 class ContactsOfBodies {
  public:
-  explicit ContactsOfBodies(const ConeProblem& problem) : end_(problem.velocity.size() + 1, 0) {
-    const auto each = [&](auto&& visit) {
-      for (std::size_t i = 0; i < problem.contacts.size(); ++i)
-        for (const std::int32_t body : {problem.contacts[i].a, problem.contacts[i].b})
-          if (problem.inverse_mass[static_cast<std::size_t>(body)].mass > 0) visit(static_cast<std::size_t>(body), i);
-    };
-    each([&](std::size_t body, std::size_t) { ++end_[body + 1]; });
-    for (std::size_t body = 1; body < end_.size(); ++body) end_[body] += end_[body - 1];
-    contact_.resize(end_.back());
-    std::vector<std::uint32_t> next(end_.begin(), end_.end() - 1);
-    each([&](std::size_t body, std::size_t i) { contact_[next[body]++] = static_cast<std::uint32_t>(i); });
+  explicit ContactsOfBodies(const ConeProblem& problem) : first_(problem.velocity.size(), none), next_(2 * problem.contacts.size()) {
+    for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
+      add(problem.contacts[i].a, 2 * i);
+      add(problem.contacts[i].b, 2 * i + 1);
+    }
   }
 
-  std::span<const std::uint32_t> of(std::size_t body) const { return std::span(contact_).subspan(end_[body], end_[body + 1] - end_[body]); }
+  template <class Visit>
+  void each_of(std::size_t body, Visit&& visit) const {
+    for (std::uint32_t end = first_[body]; end != none; end = next_[end]) visit(end / 2);
+  }
 
  private:
-  std::vector<std::uint32_t> end_, contact_;
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+
+  void add(std::int32_t body, std::size_t end) {
+    std::uint32_t& first = first_[static_cast<std::size_t>(body)];
+    next_[end] = first;
+    first = static_cast<std::uint32_t>(end);
+  }
+
+  std::vector<std::uint32_t> first_;  ///< by body: an end of a contact; contact i has the ends 2 i and 2 i + 1
+  std::vector<std::uint32_t> next_;   ///< by end: the next one at the same body
 };
 
 }  // namespace
@@ -93,7 +99,7 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
     moved[body] += shift.norm() + turn.norm() * arm.norm();
     if (moved[body] <= unnoticed * slop * by.arm) return;
     moved[body] = 0;
-    for (const std::uint32_t i : contacts.of(body)) to_visit.add(i);
+    contacts.each_of(body, [&](std::size_t i) { to_visit.add(i); });
   };
   int sweep = 0;
   for (; to_visit.any() && sweep < max_sweeps; ++sweep) {

@@ -33,17 +33,39 @@ void for_each_index(int threads, std::size_t n, Work&& work) {
   });
 }
 
+/// What each block of indices below n gives by gather(first, last), in order: the same at any thread count.
+template <class Gather>
+auto by_blocks(int threads, std::size_t n, Gather&& gather) {
+  constexpr std::size_t block = 1024;
+  std::vector<decltype(gather(n, n))> part((n + block - 1) / block);
+  for_each_index(threads, part.size(), [&](std::size_t j) { part[j] = gather(j * block, std::min((j + 1) * block, n)); });
+  return part;
+}
+
 /// Sum of term(i) over all i < n, added block by block: the same bits at any thread count.
 template <class Term>
 double sum_over(int threads, std::size_t n, Term&& term) {
-  constexpr std::size_t block = 1024;
-  std::vector<double> part((n + block - 1) / block);
-  for_each_index(threads, part.size(), [&](std::size_t j) {
-    for (std::size_t i = j * block; i < std::min((j + 1) * block, n); ++i) part[j] += term(i);
-  });
   double sum = 0;
-  for (double p : part) sum += p;
+  for (const double part : by_blocks(threads, n, [&](std::size_t first, std::size_t last) {
+         double of_block = 0;
+         for (std::size_t i = first; i < last; ++i) of_block += term(i);
+         return of_block;
+       }))
+    sum += part;
   return sum;
+}
+
+/// Largest term(i) over all i < n, and 0 at least.
+template <class Term>
+double most_of(int threads, std::size_t n, Term&& term) {
+  double most = 0;
+  for (const double part : by_blocks(threads, n, [&](std::size_t first, std::size_t last) {
+         double of_block = 0;
+         for (std::size_t i = first; i < last; ++i) of_block = std::max(of_block, term(i));
+         return of_block;
+       }))
+    most = std::max(most, part);
+  return most;
 }
 
 }  // namespace repose::dvi

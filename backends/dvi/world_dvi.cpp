@@ -1,6 +1,7 @@
 #include "backends/dvi/world_dvi.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "backends/dvi/cone_solver.hpp"
@@ -10,8 +11,8 @@
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/team.hpp"
 #include "backends/dvi/touch.hpp"
-#include "backends/dvi/tumbling.hpp"
 #include "backends/dvi/units.hpp"
+#include "backends/dvi/world_dvi_bodies.hpp"
 #include "backends/dvi/world_dvi_impulses.hpp"
 #include "backends/dvi/world_dvi_laws.hpp"
 #include "backends/dvi/world_dvi_yield.hpp"
@@ -35,18 +36,9 @@ class WorldDvi final : public World {
  public:
   WorldDvi(const Model& model, const SolverOptions& options)
       : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length), laws_(model_, units_),
-        yielding_(model_, units_) {
-    const std::size_t n = model.bodies.size();
-    slot_.assign(n, -1);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Body& body = model.bodies[i];
-      mass_.push_back(body.mass / units_.mass);
-      inertia_.push_back(body.inertia / (units_.mass * units_.length * units_.length));
-      bound_.push_back(model.shapes[static_cast<std::size_t>(body.shape)].bounding_radius * body.scale / units_.length);
-      isotropic_.push_back(body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z());
-    }
-    if (n < worth_a_thread) options_.threads = 1;
-    load_state(model.initial);
+        yielding_(model_, units_), bodies_(model_, units_), last_(bodies_.dynamic) {
+    slot_.assign(bodies_.count(), -1);
+    if (bodies_.count() < worth_a_thread) options_.threads = 1;
   }
 
   StepReport step(double dt, const BodyLoads& loads) override {
@@ -74,24 +66,15 @@ class WorldDvi final : public World {
     last_.keep(found, problem_, impulse_, h, options_.threads);
     if (second_order()) find_smooth(found, h);
     advance(h);
-    time_ += dt;
+    bodies_.time += dt;
     for (int round = 0; round < separation_rounds && !laws_.compliant() && push_overlaps_apart();) ++round;
     wrap();
     return report;
   }
 
-  void read(Snapshot& state) const override {
-    state.resize(model_.bodies.size());
-    state.time = time_;
-    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
-      state.position[i] = position_[i] * units_.length;
-      state.orientation[i] = orientation_[i];
-      state.velocity[i] = velocity_[i] * units_.velocity();
-      state.angular_velocity[i] = angular_[i] / units_.time;
-    }
-  }
+  void read(Snapshot& state) const override { bodies_.read(state, options_.threads); }
 
-  void read(std::vector<Contact>& contacts) const override { last_.read(contacts, units_); }
+  void read(std::vector<Contact>& contacts) const override { last_.read(contacts, units_, options_.threads); }
 
   void save(Frame& frame) const override {
     read(frame.state);
@@ -101,67 +84,56 @@ class WorldDvi final : public World {
   void restore(const Frame& frame) override {
     if (frame.state.size() != model_.bodies.size() || !last_.restore(frame, units_))
       throw Error("checkpoint", "it does not fit this model", "resume with the scene and seed that wrote it, or start afresh");
-    load_state(frame.state);
+    bodies_.load(frame.state);
   }
 
  private:
-  void load_state(const Snapshot& state) {
-    const std::size_t n = model_.bodies.size();
-    time_ = state.time;
-    position_.resize(n);
-    velocity_.resize(n);
-    angular_.resize(n);
-    orientation_ = state.orientation;
-    for (std::size_t i = 0; i < n; ++i) {
-      position_[i] = state.position[i] / units_.length;
-      velocity_[i] = state.velocity[i] / units_.velocity();
-      angular_[i] = state.angular_velocity[i] * units_.time;
-    }
-  }
-
   /// Prescribed bodies stand where they were prescribed to be, and move with the twist that takes them to the step's end.
   void place_prescribed(double dt) {
     yielding_.begin_step();
-    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+    for (const std::int32_t index : bodies_.prescribed) {
+      const auto i = static_cast<std::size_t>(index);
       const Body& body = model_.bodies[i];
-      if (body.dynamic) continue;
       const Pose initial{model_.initial.position[i], model_.initial.orientation[i]};
-      const Pose pose = pose_at(body.motion, initial, time_);
-      const Twist twist = mean_twist(body.motion, initial, time_, dt);
-      const double height = position_[i].z(), rise = velocity_[i].z();
-      position_[i] = pose.position / units_.length;
-      orientation_[i] = pose.orientation;
-      velocity_[i] = twist.linear / units_.velocity();
-      angular_[i] = twist.angular * units_.time;
-      if (body.yield) yielding_.place(i, height, rise, position_[i], velocity_[i]);
+      const Pose pose = pose_at(body.motion, initial, bodies_.time);
+      const Twist twist = mean_twist(body.motion, initial, bodies_.time, dt);
+      const double height = bodies_.position[i].z(), rise = bodies_.velocity[i].z();
+      bodies_.position[i] = pose.position / units_.length;
+      bodies_.orientation[i] = pose.orientation;
+      bodies_.velocity[i] = twist.linear / units_.velocity();
+      bodies_.angular[i] = twist.angular * units_.time;
+      if (body.yield) yielding_.place(i, height, rise, bodies_.position[i], bodies_.velocity[i]);
     }
   }
 
   /// v_free = (m v + h f) / (m + h damping), and likewise for the rotation in the principal axes; in second order
   /// (m v + h (f - damping v / 2)) / (m + h damping / 2), but where that would swing.
   void free_velocities(double h, const BodyLoads& loads) {
-    const std::size_t n = model_.bodies.size();
+    const std::size_t n = bodies_.count();
     rotation_.resize(n);
-    inverse_.assign(n, {});
-    free_velocity_ = velocity_;
-    free_angular_ = angular_;
+    inverse_.resize(n);
+    free_velocity_.resize(n);
+    free_angular_.resize(n);
     const double torque_unit = units_.force() * units_.length;
     for_each_index(options_.threads, n, [&](std::size_t i) {
-      rotation_[i] = orientation_[i].toRotationMatrix();
-      if (!model_.bodies[i].dynamic) return;
+      rotation_[i] = bodies_.orientation[i].toRotationMatrix();
+      inverse_[i] = {};
+      free_velocity_[i] = bodies_.velocity[i];
+      free_angular_[i] = bodies_.angular[i];
+      if (!bodies_.dynamic[i]) return;
       const double damping = h * loads.linear_damping[i] / (units_.mass / units_.time);
-      const double ahead = second_order() && damping < mass_[i] ? 0.5 * damping : damping;  // the rest acts on the velocity before
-      const double damped = mass_[i] + ahead;
-      free_velocity_[i] = ((mass_[i] - (damping - ahead)) * velocity_[i] + h * (loads.force[i] / units_.force())) / damped;
+      const double ahead = second_order() && damping < bodies_.mass[i] ? 0.5 * damping : damping;  // the rest acts on the velocity before
+      const double damped = bodies_.mass[i] + ahead;
+      free_velocity_[i] = ((bodies_.mass[i] - (damping - ahead)) * bodies_.velocity[i] + h * (loads.force[i] / units_.force())) / damped;
       const double angular_damping =
           loads.angular_damping[i] / (units_.mass * units_.length * units_.length / units_.time);
-      const Vec3 inverse = (inertia_[i].array() + h * angular_damping).inverse();
+      const Vec3 inverse = (bodies_.inertia[i].array() + h * angular_damping).inverse();
       const Vec3 body_momentum =
-          inertia_[i].cwiseProduct(rotation_[i].transpose() * angular_[i]) +
+          bodies_.inertia[i].cwiseProduct(rotation_[i].transpose() * bodies_.angular[i]) +
           rotation_[i].transpose() * Vec3(h * (loads.torque[i] / torque_unit));
       free_angular_[i] = rotation_[i] * inverse.cwiseProduct(body_momentum);
       inverse_[i].mass = 1 / damped;
-      const Mat3 world = isotropic_[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
+      const Mat3 world = bodies_.isotropic[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
       inverse_[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
     });
     for (const std::int32_t i : yielding_.released())
@@ -170,23 +142,35 @@ class WorldDvi final : public World {
 
   /// The bodies where they are, with these velocities.
   BodyPlacement placement(const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular_velocity) {
-    const std::size_t n = model_.bodies.size();
+    const std::size_t n = bodies_.count();
     turning_speed_.resize(n);
     present_.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Body& body = model_.bodies[i];
-      if (body.dynamic && !(velocity[i].allFinite() && angular_velocity[i].allFinite())) fail(i);
+    all_or_fail(n, [&](std::size_t i) {
       // Unbounded bodies that turn (a half-space) have no largest speed; near the others they move like their origin.
       const double turning = angular_velocity[i].norm();
-      turning_speed_[i] = turning > 0 && std::isfinite(bound_[i]) ? turning * bound_[i] : 0.0;
-      present_[i] = body.exists_at(time_) ? 1 : 0;
-    }
-    return {position_, rotation_, velocity, angular_velocity, turning_speed_, present_};
+      turning_speed_[i] = turning > 0 && std::isfinite(bodies_.bound[i]) ? turning * bodies_.bound[i] : 0.0;
+      present_[i] = 1;
+      return !bodies_.dynamic[i] || (velocity[i].allFinite() && angular_velocity[i].allFinite());
+    }, [](std::size_t i) { return i; });
+    for (const std::int32_t i : bodies_.gated)
+      present_[static_cast<std::size_t>(i)] = model_.bodies[static_cast<std::size_t>(i)].exists_at(bodies_.time) ? 1 : 0;
+    return {bodies_.position, rotation_, velocity, angular_velocity, turning_speed_, present_};
+  }
+
+  /// Calls finite(i) for every i < n; fails by the body of the first that is not.
+  template <class Finite, class BodyOf>
+  void all_or_fail(std::size_t n, Finite&& finite, BodyOf&& body_of) const {
+    std::atomic<bool> all = true;
+    for_each_index(options_.threads, n, [&](std::size_t i) {
+      if (!finite(i)) all.store(false, std::memory_order_relaxed);
+    });
+    for (std::size_t i = 0; !all && i < n; ++i)
+      if (!finite(i)) fail(body_of(i));
   }
 
   [[noreturn]] void fail(std::size_t body) const {
     throw Error("body " + std::to_string(body),
-                "its velocity is not a finite number at t = " + std::to_string(time_) + " s",
+                "its velocity is not a finite number at t = " + std::to_string(bodies_.time) + " s",
                 "this is a failure of the simulation: try a smaller time_step, and look for bodies pressed together by tools",
                 Error::Kind::simulation);
   }
@@ -223,17 +207,17 @@ class WorldDvi final : public World {
 
   Approach approach_of(const FoundContact& contact, double h) const {
     const auto a = static_cast<std::size_t>(contact.id.a()), b = static_cast<std::size_t>(contact.id.b());
-    const Vec3 arm_a = contact.point.point - position_[a], arm_b = contact.point.point - place_beside(contact.id);
+    const Vec3 arm_a = contact.point.point - bodies_.position[a], arm_b = contact.point.point - place_beside(contact.id);
     const auto along_normal = [&](const std::vector<Vec3>& velocity, const std::vector<Vec3>& angular) {
       return contact.point.normal.dot(velocity[b] + angular[b].cross(arm_b) - velocity[a] - angular[a].cross(arm_a));
     };
-    const double before = along_normal(velocity_, angular_);
+    const double before = along_normal(bodies_.velocity, bodies_.angular);
     return {contact.point.gap, before, (along_normal(free_velocity_, free_angular_) - before) / h};
   }
 
   /// Bodies that no contact stops or throws within this step move by their mean velocity.
   void find_smooth(const std::vector<FoundContact>& found, double h) {
-    smooth_.assign(model_.bodies.size(), 1);
+    smooth_.assign(bodies_.count(), 1);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (impulse_[i] == Impulse{}) continue;
       const ConeContact& c = problem_.contacts[i];
@@ -246,7 +230,7 @@ class WorldDvi final : public World {
 
   /// Once more for each body found to give way.
   SolveReport solve_contacts(const std::vector<FoundContact>& found, double h) {
-    const ConeSolver solver = [this](const auto& p, auto g, auto& v, auto& w) { return solve(p, options_, g, v, w); };
+    const ConeSolver solver = [this](const auto& p, auto g, auto& v, auto& w) { return solve(p, options_, g, v, w, room_); };
     SolveReport solved;
     int iterations = 0;
     do {
@@ -263,37 +247,35 @@ class WorldDvi final : public World {
   }
 
   void build_problem(const std::vector<FoundContact>& found, double h) {
-    const std::size_t n = model_.bodies.size();
+    const std::size_t n = bodies_.count();
     body_of_slot_.assign(finder_.order().begin(), finder_.order().end());
     body_of_slot_.insert(body_of_slot_.end(), yielding_.released().begin(), yielding_.released().end());
     problem_.dynamic_bodies = static_cast<std::int32_t>(body_of_slot_.size());
-    problem_.inverse_mass.assign(n, {});
+    problem_.inverse_mass.resize(n);
     problem_.velocity.resize(n);
     problem_.angular_velocity.resize(n);
-    for (std::size_t i = 0; i < n; ++i)
-      if (!model_.bodies[i].dynamic && !yielding_.is_released(i)) body_of_slot_.push_back(static_cast<std::int32_t>(i));
-    for (std::size_t s = 0; s < n; ++s) {
+    for (const std::int32_t i : bodies_.prescribed)
+      if (!yielding_.is_released(static_cast<std::size_t>(i))) body_of_slot_.push_back(i);
+    for_each_index(options_.threads, n, [&](std::size_t s) {
       const auto body = static_cast<std::size_t>(body_of_slot_[s]);
       slot_[body] = static_cast<std::int32_t>(s);
       problem_.inverse_mass[s] = inverse_[body];
       problem_.velocity[s] = free_velocity_[body];
       problem_.angular_velocity[s] = free_angular_[body];
-    }
+    });
     resize_sparingly(problem_.contacts, found.size());
     resize_sparingly(impact_, found.size());
     laws_.begin(problem_);
     for_each_index(laws_.any() ? 1 : options_.threads, found.size(), [&](std::size_t i) {
       const auto a = static_cast<std::size_t>(found[i].id.a()), b = static_cast<std::size_t>(found[i].id.b());
-      const Body& body_a = model_.bodies[a];
-      const Body& body_b = model_.bodies[b];
-      const PairLaw& law = model_.law(body_a.material, body_b.material);
-      const FrictionArms arms = friction_arms(law, body_a.radius, body_b.radius);
+      const PairLaw& law = model_.law(bodies_.material[a], bodies_.material[b]);
+      const FrictionArms arms = friction_arms(law, bodies_.radius[a], bodies_.radius[b]);
       const ContactPoint& point = found[i].point;
       ConeContact& c = problem_.contacts[i];
       c.a = slot_[a];
       c.b = slot_[b];
       c.normal = point.normal;
-      c.arm_a = point.point - position_[a];
+      c.arm_a = point.point - bodies_.position[a];
       c.arm_b = point.point - place_beside(found[i].id);
       c.friction = law.friction;
       c.arm = arm_of(found[i]);
@@ -304,7 +286,7 @@ class WorldDvi final : public World {
       c.cohesion = holds ? h * (law.cohesion / units_.force()) : 0.0;
       impact_[i].gap = point.gap;
       impact_[i].restitution = law.restitution;
-      const Vec3 before = velocity_[b] + angular_[b].cross(c.arm_b) - velocity_[a] - angular_[a].cross(c.arm_a);
+      const Vec3 before = bodies_.velocity[b] + bodies_.angular[b].cross(c.arm_b) - bodies_.velocity[a] - bodies_.angular[a].cross(c.arm_a);
       impact_[i].before = c.normal.dot(before);
       if (laws_.any()) laws_.apply(problem_, c, impact_[i], before, h);
     });
@@ -317,9 +299,7 @@ class WorldDvi final : public World {
     report.residual = solved.residual;
     report.converged = solved.converged;
     report.cycling = solved.cycling;
-    double depth = 0;
-    for (const FoundContact& contact : found) depth = std::max(depth, -contact.point.gap);
-    report.penetration = depth * units_.length;
+    report.penetration = units_.length * most_of(options_.threads, found.size(), [&](std::size_t i) { return -found[i].point.gap; });
     const double work = sum_over(options_.threads, found.size(), [&](std::size_t i) {
       const ConeContact& c = problem_.contacts[i];
       const Impulse free = relative_velocity(c, problem_.velocity, problem_.angular_velocity);
@@ -336,22 +316,24 @@ class WorldDvi final : public World {
   /// the new positions and taken away there. Returns whether it was deep enough to look again, because the correction is
   /// linear too.
   bool push_overlaps_apart() {
-    const std::size_t n = model_.bodies.size();
-    resting_.assign(n, Vec3::Zero());
-    for_each_index(options_.threads, n, [&](std::size_t i) { rotation_[i] = orientation_[i].toRotationMatrix(); });
+    const std::size_t n = bodies_.count();
+    resting_.resize(n, Vec3::Zero());
+    for_each_index(options_.threads, n, [&](std::size_t i) { rotation_[i] = bodies_.orientation[i].toRotationMatrix(); });
     const std::vector<FoundContact>& found =
         finder_.find_again(placement(resting_, resting_), options_.threads);
-    double deepest = 0;  // over R*
-    for (const FoundContact& contact : found) deepest = std::max(deepest, -contact.point.gap / arm_of(contact));
+    const double deepest =  // over R*
+        most_of(options_.threads, found.size(), [&](std::size_t i) { return -found[i].point.gap / arm_of(found[i]); });
     if (deepest <= penetration_slop) return false;
     // The contact problem of this step has been solved and told: its room serves again.
     problem_.dynamic_bodies = static_cast<std::int32_t>(n);
-    problem_.velocity.assign(n, Vec3::Zero());
-    problem_.inverse_mass.assign(n, {});
+    problem_.velocity.resize(n);
+    problem_.inverse_mass.resize(n);
     for_each_index(options_.threads, n, [&](std::size_t i) {
-      if (!model_.bodies[i].dynamic) return;
-      problem_.inverse_mass[i].mass = 1 / mass_[i];
-      const Mat3 world = rotated(rotation_[i], inertia_[i].cwiseInverse());
+      problem_.velocity[i] = Vec3::Zero();
+      problem_.inverse_mass[i] = {};
+      if (!bodies_.dynamic[i]) return;
+      problem_.inverse_mass[i].mass = 1 / bodies_.mass[i];
+      const Mat3 world = rotated(rotation_[i], bodies_.inertia[i].cwiseInverse());
       problem_.inverse_mass[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
     });
     resize_sparingly(problem_.contacts, found.size());
@@ -361,7 +343,7 @@ class WorldDvi final : public World {
       c.a = found[i].id.a();
       c.b = found[i].id.b();
       c.normal = found[i].point.normal;
-      c.arm_a = found[i].point.point - position_[static_cast<std::size_t>(c.a)];
+      c.arm_a = found[i].point.point - bodies_.position[static_cast<std::size_t>(c.a)];
       c.arm_b = found[i].point.point - place_beside(found[i].id);
       c.arm = arm_of(found[i]);
       gap_[i] = found[i].point.gap;
@@ -369,17 +351,17 @@ class WorldDvi final : public World {
     push_apart(problem_, gap_, penetration_slop, displacement_);
     for_each_index(options_.threads, n, [&](std::size_t i) {
       const Displacement& pushed = displacement_[i];
-      if (!model_.bodies[i].dynamic || (pushed.shift.isZero(0) && pushed.turn.isZero(0))) return;
-      position_[i] += pushed.shift;
-      turn_body(i, pushed.turn);
+      if (!bodies_.dynamic[i] || (pushed.shift.isZero(0) && pushed.turn.isZero(0))) return;
+      bodies_.position[i] += pushed.shift;
+      bodies_.turn(i, pushed.turn);
     });
     return deepest > 10 * penetration_slop;
   }
 
   /// Where the image of body b stands that body a meets.
   Vec3 place_beside(const ContactId& id) const {
-    const Vec3& place = position_[static_cast<std::size_t>(id.b())];
-    return finder_.periodic() ? Vec3(place + finder_.image_shift(position_, id.a(), id.b())) : place;
+    const Vec3& place = bodies_.position[static_cast<std::size_t>(id.b())];
+    return finder_.periodic() ? Vec3(place + finder_.image_shift(bodies_.position, id.a(), id.b())) : place;
   }
 
   /// Bodies that left the periodic cell come back on the other side. Contacts are named by bodies and kept in world axes, so
@@ -387,61 +369,46 @@ class WorldDvi final : public World {
   void wrap() {
     if (!finder_.periodic()) return;
     const PeriodicCell cell = model_.periodic.in_unit(units_.length);
-    for (std::size_t i = 0; i < model_.bodies.size(); ++i)
-      if (model_.bodies[i].dynamic) position_[i] = cell.wrapped(position_[i]);
+    for_each_index(options_.threads, bodies_.count(), [&](std::size_t i) {
+      if (bodies_.dynamic[i]) bodies_.position[i] = cell.wrapped(bodies_.position[i]);
+    });
   }
 
   /// R* of the pair.
   double arm_of(const FoundContact& contact) const {
-    return reduced_radius(model_.bodies[static_cast<std::size_t>(contact.id.a())].radius,
-                          model_.bodies[static_cast<std::size_t>(contact.id.b())].radius) /
-           units_.length;
-  }
-
-  /// Turns a body by a rotation vector; its angular momentum stays what it was.
-  void turn_body(std::size_t body, const Vec3& turn) {
-    if (turn.squaredNorm() == 0) return;
-    const Quat before = orientation_[body];
-    orientation_[body] = (rotation_of(turn) * before).normalized();
-    if (!isotropic_[body]) angular_[body] = carried_spin(inertia_[body], before, orientation_[body], angular_[body]);
-  }
-
-  /// The rate at which a body with this angular momentum turns once it has turned by `turn`.
-  Vec3 spin_after(std::size_t body, const Vec3& turn) const {
-    if (isotropic_[body]) return angular_[body];
-    return carried_spin(inertia_[body], orientation_[body], rotation_of(turn) * orientation_[body], angular_[body]);
+    return bodies_.arm_of(static_cast<std::size_t>(contact.id.a()), static_cast<std::size_t>(contact.id.b()));
   }
 
   /// Symplectic Euler; in second order the mean of the velocities at both ends, and the spin half way.
   void advance(double h) {
     const auto dynamic = static_cast<std::size_t>(problem_.dynamic_bodies);
-    for (std::size_t slot = 0; slot < dynamic; ++slot)
-      if (!velocity_after_[slot].allFinite() || !angular_after_[slot].allFinite()) fail(static_cast<std::size_t>(body_of_slot_[slot]));
+    all_or_fail(dynamic, [&](std::size_t slot) { return velocity_after_[slot].allFinite() && angular_after_[slot].allFinite(); },
+                [&](std::size_t slot) { return static_cast<std::size_t>(body_of_slot_[slot]); });
     for_each_index(options_.threads, dynamic, [&](std::size_t slot) {
       const auto body = static_cast<std::size_t>(body_of_slot_[slot]);
-      const Vec3 before = velocity_[body], spin_before = angular_[body];
-      velocity_[body] = velocity_after_[slot];
-      angular_[body] = angular_after_[slot];
+      const Vec3 before = bodies_.velocity[body], spin_before = bodies_.angular[body];
+      bodies_.velocity[body] = velocity_after_[slot];
+      bodies_.angular[body] = angular_after_[slot];
       if (second_order() && smooth_[body] != 0) {
-        position_[body] += 0.5 * h * (before + velocity_[body]);
-        const Vec3 gained = angular_[body] - spin_before;  // by torques: half of it acts on average
-        turn_body(body, h * (spin_after(body, 0.5 * h * angular_[body]) - 0.5 * gained));
+        bodies_.position[body] += 0.5 * h * (before + bodies_.velocity[body]);
+        const Vec3 gained = bodies_.angular[body] - spin_before;  // by torques: half of it acts on average
+        bodies_.turn(body, h * (bodies_.spin_after(body, 0.5 * h * bodies_.angular[body]) - 0.5 * gained));
       } else {
-        position_[body] += h * velocity_[body];
-        turn_body(body, h * angular_[body]);
+        bodies_.position[body] += h * bodies_.velocity[body];
+        bodies_.turn(body, h * bodies_.angular[body]);
       }
     });
     // Prescribed bodies are shown where they will be at the end of the step.
-    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
-      if (model_.bodies[i].dynamic) continue;
+    for (const std::int32_t index : bodies_.prescribed) {
+      const auto i = static_cast<std::size_t>(index);
       const Pose initial{model_.initial.position[i], model_.initial.orientation[i]};
-      const Pose pose = pose_at(model_.bodies[i].motion, initial, time_ + h * units_.time);
-      const double height = position_[i].z(), stop = pose.position.z() / units_.length;
-      position_[i] = pose.position / units_.length;
-      orientation_[i] = pose.orientation;
+      const Pose pose = pose_at(model_.bodies[i].motion, initial, bodies_.time + h * units_.time);
+      const double height = bodies_.position[i].z(), stop = pose.position.z() / units_.length;
+      bodies_.position[i] = pose.position / units_.length;
+      bodies_.orientation[i] = pose.orientation;
       if (!yielding_.is_released(i)) continue;
-      position_[i].z() = height;
-      yielding_.stand_on_stops(i, stop, position_[i], velocity_[i]);
+      bodies_.position[i].z() = height;
+      yielding_.stand_on_stops(i, stop, bodies_.position[i], bodies_.velocity[i]);
     }
   }
 
@@ -451,15 +418,7 @@ class WorldDvi final : public World {
   ContactFinder finder_;
   ContactLaws laws_;
   YieldingBodies yielding_;
-  std::vector<double> mass_;
-  std::vector<Vec3> inertia_;
-  std::vector<double> bound_;  // radius of a ball about the position
-  std::vector<char> isotropic_;
-
-  // State, in the world's own units; by body.
-  double time_ = 0;  // [s]
-  std::vector<Vec3> position_, velocity_, angular_;
-  std::vector<Quat> orientation_;
+  WorldBodies bodies_;
   LastImpulses last_;
 
   // Work space of one step.
@@ -470,6 +429,7 @@ class WorldDvi final : public World {
   std::vector<char> present_;
   std::vector<std::int32_t> slot_, body_of_slot_;
   ConeProblem problem_;
+  SolverRoom room_;
   std::vector<ImpactData> impact_;
   std::vector<Impulse> impulse_;
   std::vector<Vec3> velocity_after_, angular_after_;

@@ -1,7 +1,6 @@
 #include "backends/dvi/world_dvi_impulses.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include "backends/dvi/resize.hpp"
 #include "backends/dvi/team.hpp"
@@ -11,11 +10,6 @@ namespace repose::dvi {
 namespace {
 
 constexpr double longest_ratio = 10;  // of steps
-
-std::size_t hash(const ContactId& id) {
-  const std::uint64_t mixed = (id.bodies ^ id.features * 0xff51afd7ed558ccdull) * 0x9e3779b97f4a7c15ull;
-  return static_cast<std::size_t>(mixed ^ mixed >> 32);
-}
 
 }  // namespace
 
@@ -30,6 +24,22 @@ void LastImpulses::keep(std::span<const FoundContact> found, const ConeProblem& 
     contact_frame(c, t1, t2);
     kept_[i] = {found[i].id, g[0] * c.normal + g[1] * t1 + g[2] * t2, c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal), found[i].point};
   });
+  link();
+}
+
+std::size_t LastImpulses::bearer(const ContactId& id) const {
+  const auto b = static_cast<std::size_t>(id.b());
+  return dynamic_[b] ? b : static_cast<std::size_t>(id.a());
+}
+
+void LastImpulses::link() {
+  first_.assign(dynamic_.size(), -1);
+  resize_sparingly(next_, kept_.size());
+  for (std::size_t k = 0; k < kept_.size(); ++k) {
+    std::int32_t& first = first_[bearer(kept_[k].id)];
+    next_[k] = first;
+    first = static_cast<std::int32_t>(k);
+  }
 }
 
 void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem& problem, double step, int threads,
@@ -37,19 +47,10 @@ void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem&
   reserve_sparingly(impulse, found.size());
   impulse.assign(found.size(), Impulse{});
   if (kept_.empty() || step > longest_ratio * step_) return;
-  // A table of places, probed one after another; contacts come in nearly the order of the last step.
-  constexpr std::uint32_t none = ~std::uint32_t{0};
-  const std::size_t mask = std::bit_ceil(2 * kept_.size()) - 1;
-  std::vector<std::uint32_t> table(mask + 1, none);
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
-    std::size_t at = hash(kept_[k].id) & mask;
-    while (table[at] != none) at = (at + 1) & mask;
-    table[at] = static_cast<std::uint32_t>(k);
-  }
   const double ratio = step / step_;
   for_each_index(threads, found.size(), [&](std::size_t i) {
-    for (std::size_t at = hash(found[i].id) & mask; table[at] != none; at = (at + 1) & mask) {
-      const std::size_t k = table[at];
+    for (std::int32_t at = first_[bearer(found[i].id)]; at >= 0; at = next_[static_cast<std::size_t>(at)]) {
+      const auto k = static_cast<std::size_t>(at);
       if (!(kept_[k].id == found[i].id)) continue;
       const ConeContact& c = problem.contacts[i];
       Vec3 t1, t2;
@@ -62,11 +63,11 @@ void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem&
   });
 }
 
-void LastImpulses::read(std::vector<Contact>& contacts, const Units& units) const {
-  contacts.clear();
-  reserve_sparingly(contacts, kept_.size());
-  for (const Kept& kept : kept_) {
-    Contact contact;
+void LastImpulses::read(std::vector<Contact>& contacts, const Units& units, int threads) const {
+  resize_sparingly(contacts, kept_.size());
+  for_each_index(threads, kept_.size(), [&](std::size_t i) {
+    const Kept& kept = kept_[i];
+    Contact& contact = contacts[i];
     contact.a = kept.id.a();
     contact.b = kept.id.b();
     contact.point = kept.point.point * units.length;
@@ -74,8 +75,7 @@ void LastImpulses::read(std::vector<Contact>& contacts, const Units& units) cons
     contact.gap = kept.point.gap * units.length;
     contact.force = kept.force * (units.force() / step_);
     contact.torque = kept.couple * (units.force() * units.length / step_);
-    contacts.push_back(contact);
-  }
+  });
 }
 
 void LastImpulses::save(Frame& frame, const Units& units) const {
@@ -110,6 +110,7 @@ bool LastImpulses::restore(const Frame& frame, const Units& units) {
     kept_.push_back(kept);
   }
   step_ = last->second[0] / units.time;
+  link();
   return true;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// The contacts of the last step with their impulses: what the next step starts from, what World::read tells, what a checkpoint holds.
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace repose::dvi {
 
 class LastImpulses {
  public:
+  /// `dynamic`: of every body, whether contacts move it. Must outlive this.
+  explicit LastImpulses(const std::vector<char>& dynamic) : dynamic_(dynamic) {}
+
   /// Those of a step of `step` [units.time]: one impulse for each contact found and of the problem.
   void keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step, int threads);
 
@@ -20,7 +24,7 @@ class LastImpulses {
   void start(std::span<const FoundContact> found, const ConeProblem& problem, double step, int threads,
              std::vector<Impulse>& impulse) const;
 
-  void read(std::vector<Contact>& contacts, const Units& units) const;
+  void read(std::vector<Contact>& contacts, const Units& units, int threads) const;
   void save(Frame& frame, const Units& units) const;
   /// False, and nothing is changed, if the frame holds no such thing.
   bool restore(const Frame& frame, const Units& units);
@@ -33,7 +37,14 @@ class LastImpulses {
     Vec3 couple = Vec3::Zero();  ///< on b
     ContactPoint point;
   };
+  /// The body whose chain a contact is in: a free one, for a tool may touch a whole bed.
+  std::size_t bearer(const ContactId& id) const;
+  void link();
+
+  const std::vector<char>& dynamic_;
   std::vector<Kept> kept_;
+  std::vector<std::int32_t> first_;  ///< by body: contact that its chain begins with, -1: none
+  std::vector<std::int32_t> next_;   ///< by contact: the one that follows in its chain, -1: none
   double step_ = 0;
 };
 

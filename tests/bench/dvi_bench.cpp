@@ -209,11 +209,13 @@ void sweep_cost(const Case& tile, const std::string& rows, const std::vector<int
     const Case c = tiled(tile, k);
     const Colouring colouring = colour_contacts(c.problem);
     for (const int threads : {1, 2}) {
-      PackedProblem<float> packed = pack<float>(c.problem, colouring, c.warm, threads);
+      PackedProblem<float> packed;
+      pack<float>(c.problem, colouring, c.warm, threads, packed);
       const double contacts = static_cast<double>(c.problem.contacts.size());
       const int sweeps = std::max(4, static_cast<int>(2e6 / contacts));
       gauss_seidel<float>(packed, ContactLaw::exact, 2, 1.0, nullptr, threads);
-      Momentum<float> momentum(packed);
+      Momentum<float> momentum;
+      momentum.begin(packed, threads);
       std::vector<double> time;
       for (int run = 0; run < 5; ++run) {
         const double start = seconds_now();
@@ -250,7 +252,8 @@ void convergence(const Case& c, const std::string& name, int max_iterations) {
         std::vector<Impulse> impulse = warm ? c.warm : std::vector<Impulse>(c.warm.size(), Impulse{});
         std::vector<Vec3> v, w;
         const double start = seconds_now();
-        const SolveReport report = solve(c.problem, options, impulse, v, w);
+        SolverRoom room;
+        const SolveReport report = solve(c.problem, options, impulse, v, w, room);
         fmt::print(" {}{} / {:.3f} s |", report.converged ? "" : "not in ", report.iterations, seconds_now() - start);
         std::fflush(stdout);
       }

@@ -161,7 +161,8 @@ TEST(PowderScaleMemory, AContactTakesAFewHundredBytes) {
   std::vector<Vec3> velocity, spin;
   SolverOptions options = usual(1e-3);
   options.max_iterations = 10;
-  const auto report = dvi::solve(problem, options, impulse, velocity, spin);
+  dvi::SolverRoom room;
+  const auto report = dvi::solve(problem, options, impulse, velocity, spin, room);
   const double bytes = static_cast<double>(report.bytes) / static_cast<double>(problem.contacts.size());
   note("memory of the solver per contact, rolling and spinning on [bytes]", bytes);
   EXPECT_LT(bytes, 400);

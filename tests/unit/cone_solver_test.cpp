@@ -65,7 +65,8 @@ struct Solution {
 Solution solved(const ConeProblem& problem, SolverOptions options) {
   Solution s;
   s.impulse.assign(problem.contacts.size(), Impulse{});
-  s.report = solve(problem, options, s.impulse, s.velocity, s.angular);
+  SolverRoom room;
+  s.report = solve(problem, options, s.impulse, s.velocity, s.angular, room);
   return s;
 }
 
