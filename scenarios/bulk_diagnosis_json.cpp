@@ -56,6 +56,7 @@ json where_json(const BulkDiagnosis& d) {
                     {"t_start", number(l.t_start)},
                     {"t_end", number(l.t_end)},
                     {"region", l.radius_from ? json{{"radius_from", *l.radius_from}, {"radius_to", *l.radius_to}} : json(nullptr)},
+                    {"quantity", l.quantity.empty() ? json(nullptr) : json(l.quantity)},
                     {"p", l.p},
                     {"difference", l.difference},
                     {"in_scatter", l.in_scatter}});
@@ -135,7 +136,7 @@ std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
   std::string text;
   if (!d.where.empty()) {
     const BulkLocated& l = d.where.front();
-    text = fmt::format("The recorded {} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", l.observable, std::abs(l.in_scatter),
+    text = fmt::format("The recorded {}{} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", l.observable, l.quantity.empty() ? "" : " (" + l.quantity + ")", std::abs(l.in_scatter),
                        l.radius_from ? fmt::format(" between {:.3g} and {:.3g} m from the axis", *l.radius_from, *l.radius_to)
                        : l.t_start   ? fmt::format(" between {:.3g} and {:.3g} s", *l.t_start, *l.t_end)
                                      : "",

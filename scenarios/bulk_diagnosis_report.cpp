@@ -41,7 +41,7 @@ Table summaries(const json& found) {
 Table places(const BulkDiagnosis& d) {
   Table table{"Where the nominal scene fails", {"observable", "phase", "part", "recorded − simulated", "in scatters of one run", "p"}, {}, {}};
   for (const BulkLocated& l : d.where)
-    table.rows.push_back({l.observable, l.phase,
+    table.rows.push_back({l.observable + (l.quantity.empty() ? "" : ", " + l.quantity), l.phase,
                           l.radius_from ? fmt::format("{:.3g} to {:.3g} m", *l.radius_from, *l.radius_to) : l.t_start ? fmt::format("{:.3g} to {:.3g} s", *l.t_start, *l.t_end) : "whole",
                           fmt::format("{:.3g}", l.difference), fmt::format("{:.2f}", l.in_scatter), fmt::format("{:.2g}", l.p)});
   table.notes = {"p is corrected for all parts that were tested (Holm)."};

@@ -11,6 +11,7 @@
 #include "core/error.hpp"
 #include "scenarios/history.hpp"
 #include "scenarios/interrupt.hpp"
+#include "scenarios/layer_observations.hpp"
 #include "scenarios/version.hpp"
 
 namespace repose {
@@ -19,14 +20,17 @@ namespace {
 using nlohmann::json;
 
 const std::set<std::string>& simulated_series() {
-  static const std::set<std::string> names{"discharged_mass", "mass_on_base", "roller_force_x", "roller_force_z", "roller_torque"};
+  static const std::set<std::string> names{"discharged_mass", "mass_on_base", "roller_force_x", "roller_force_z", "roller_torque", "surface_angle"};
   return names;
 }
 
-bool can_be_simulated(const Observation& o) {
+bool can_be_simulated(const Scene& scene, const Observation& o) {
+  if (scene.layer) return shown_by_a_layer(o);
   return (o.kind == ObservableKind::scalar && o.name == "angle_of_repose") || (o.kind == ObservableKind::profile && o.name == "heap") ||
          (o.kind == ObservableKind::series && simulated_series().contains(o.name));
 }
+
+constexpr std::size_t most_places = 5000;  // of a surface that is kept: its mean and its scatter need no more
 
 /// Everything that such a run can show.
 struct Shown {
@@ -69,6 +73,28 @@ json simulate_one(const Backend& backend, const Scene& scene, std::uint64_t seed
   return result;
 }
 
+/// nullopt if it was interrupted.
+std::optional<json> spread_one(LayerRuns& layers, const Scene& scene, std::uint64_t seed) {
+  const std::optional<SpreadLayer> layer = layers.run(scene, seed);
+  if (!layer) return std::nullopt;
+  json result;
+  const History loads = loads_on_spreader(*layer);
+  for (const auto& [name, values] : loads.series) result["series"].push_back({{"name", name}, {"unit", unit_of_load(name)}, {"value", values}});
+  result["time"] = loads.time;
+  result["converged"] = loads.converged;
+  for (const char* name : {"layer_before", "layer_after"}) {
+    const Observation surface = surface_of(*layer, name, most_places);
+    result["surfaces"].push_back({{"name", name}, {"x", surface.at}, {"y", surface.at_y}, {"height", surface.value}});
+  }
+  return result;
+}
+
+std::vector<double> with_holes(const json& values) {
+  std::vector<double> result;
+  for (const json& v : values) result.push_back(v.is_null() ? std::numeric_limits<double>::quiet_NaN() : v.get<double>());
+  return result;
+}
+
 diagnosis::BulkOutcome outcome_of(const json& result) {
   diagnosis::BulkOutcome outcome;
   Observation angle;
@@ -94,6 +120,15 @@ diagnosis::BulkOutcome outcome_of(const json& result) {
     series.value = s["value"].get<std::vector<double>>();
     outcome.observations.push_back(std::move(series));
   }
+  for (const json& s : result.value("surfaces", json::array())) {
+    Observation surface;
+    surface.kind = ObservableKind::surface;
+    surface.name = s["name"].get<std::string>();
+    surface.at = s["x"].get<std::vector<double>>();
+    surface.at_y = s["y"].get<std::vector<double>>();
+    surface.value = with_holes(s["height"]);
+    outcome.observations.push_back(std::move(surface));
+  }
   if (!result.value("converged", true)) outcome.failure = "fewer than 95 % of the steps converged";
   return outcome;
 }
@@ -104,13 +139,14 @@ Bundle only_simulated(Bundle bundle) {
   std::set<std::string> out;
   for (BundleRun& run : bundle.runs)
     std::erase_if(run.observations, [&](const Observation& o) {
-      if (!can_be_simulated(o)) out.insert(o.name);
-      return !can_be_simulated(o);
+      const bool shown = can_be_simulated(bundle.scene, o);
+      if (!shown) out.insert(o.name);
+      return !shown;
     });
   for (const std::string& name : out)
     bundle.warnings.push_back(fmt::format("`{}` is left out: no simulation of many grains shows it yet", name));
   if (std::any_of(bundle.runs.begin(), bundle.runs.end(), [](const BundleRun& run) { return run.observations.empty(); }))
-    throw Error("runs", "a run has nothing that a simulation of many grains shows", "those that are: angle_of_repose, heap, discharged_mass, mass_on_base, roller_force_*");
+    throw Error("runs", "a run has nothing that a simulation of many grains shows", "those that are: angle_of_repose, heap, discharged_mass, mass_on_base, surface_angle, roller_force_*; layer_before and layer_after of a scene with a `layer` block");
   return bundle;
 }
 
@@ -126,13 +162,20 @@ diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle&
     hooks.progress = [&](const JobsProgress& p) {
       if (how.progress) how.progress(stage, p);
     };
+    Options options;
+    options.backend = backend.name;
+    options.allow_unsupported = how.allow_unsupported;
+    options.force = true;  // a value that is tried may be absurd
+    LayerRuns layers(options, LayerRuns::Beds::dropped);
     const auto simulate = [&](const Job& job) -> std::optional<json> {
       Scene scene = parse_scene(requests[job.scene].scene, bundle.scene_file.string(), {}, bundle.scene_file.parent_path());
       scene.solver.threads = 1;
       try {
-        return simulate_one(backend, scene, job.seed, shown, how.allow_unsupported);
-      } catch (const Error&) {
+        return scene.layer ? spread_one(layers, scene, job.seed) : simulate_one(backend, scene, job.seed, shown, how.allow_unsupported);
+      } catch (const Error& e) {
         if (interrupted()) return std::nullopt;
+        // Over a bed that a tried value has made lower or higher the spreader may not pass: a point that failed, not bad input.
+        if (scene.layer) throw Error(e.place(), e.problem(), e.remedy(), Error::Kind::simulation);
         throw;
       }
     };

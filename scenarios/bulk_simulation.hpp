@@ -16,11 +16,13 @@ struct BulkSimulation {
   std::function<void(const std::string& stage, const JobsProgress&)> progress;
 };
 
-/// Takes out of the bundle what a simulation cannot show beside it (surfaces, surface_angle, unknown names), with a warning for each.
+/// Takes out of the bundle what a simulation cannot show beside it (unknown names, surfaces of scenes without a `layer` block), with a warning
+/// for each.
 Bundle only_simulated(Bundle bundle);
 
-/// Shows angle_of_repose (if the heap has one), heap and discharged_mass of every scene with a base and a funnel, and the other series
-/// that the bundle's first run has. Heaps are simulated until they rest. `backend` and `bundle` must outlive the result.
+/// Shows angle_of_repose (if the heap has one), heap and discharged_mass of every scene with a base and a funnel; both surfaces and the loads on the
+/// spreader of every scene with a `layer` block, whose bed is settled anew each time; and the other series that the bundle's first run has. Heaps
+/// are simulated until they rest. `backend` and `bundle` must outlive the result.
 diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle& bundle, BulkSimulation how);
 
 }  // namespace repose

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "analysis/discharge.hpp"
@@ -34,6 +35,7 @@ class Keeper {
     outlet_ = funnel_outlet(scene);
     base_ = named(scene, "base");
     roller_ = named(scene, "roller");
+    drum_ = named(scene, "drum");
     needs_contacts_ =
         request.contacts || std::any_of(request.series.begin(), request.series.end(), [](const std::string& name) {
           return name == "mass_on_base" || name.starts_with("roller_");
@@ -112,6 +114,27 @@ class Keeper {
     return torque;
   }
 
+  /// Angle of the surface in a drum that turns [deg], positive where the drum lifts the grains: the direction from its axis to the centre of
+  /// all grains, which is the normal of a flat surface however full the drum is.
+  double surface_angle(const Snapshot& state) const {
+    Vec3 axis = Vec3::Zero(), middle = Vec3::Zero(), centre = Vec3::Zero();
+    double mass = 0;
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const Body& body = model_.bodies[i];
+      if (body.name == drum_) {
+        axis = body.motion.angular_velocity.normalized();
+        middle = state.position[i];
+      }
+      if (body.role != BodyRole::grain) continue;
+      centre += body.mass * state.position[i];
+      mass += body.mass;
+    }
+    if (axis.isZero(0) || !(mass > 0))
+      throw Error("record.observables", "`surface_angle` needs grains in a drum that turns", "give the drum `motion: {angular_velocity: ...}`");
+    const Vec3 down = model_.gravity.normalized(), from_axis = centre / mass - middle;
+    return std::atan2(from_axis.dot(axis.cross(down)), from_axis.dot(down)) * 180 / std::numbers::pi;
+  }
+
   double measure(const std::string& name, const Snapshot& state) const {
     if (name == "discharged_mass") {
       if (!outlet_) throw Error("record.observables", "`discharged_mass` needs a funnel", "add a funnel to the tools");
@@ -121,6 +144,10 @@ class Keeper {
       if (base_ < 0) throw Error("record.observables", "`mass_on_base` needs a base", "add a base to the tools");
       return -force_on(base_).z() / model_.gravity.norm();
     }
+    if (name == "surface_angle") {
+      if (drum_ < 0) throw Error("record.observables", "`surface_angle` needs a drum", "add a drum to the tools");
+      return surface_angle(state);
+    }
     if (name.starts_with("roller_")) {
       if (roller_ < 0) throw Error("record.observables", "`" + name + "` needs a roller", "add a roller to the tools");
       if (name == "roller_force_x") return force_on(roller_).x();
@@ -129,7 +156,7 @@ class Keeper {
         if (model_.bodies[i].name == roller_) return torque_on(roller_, state.position[i]).y();
     }
     throw Error("record.observables", "no series `" + name + "` can be recorded from a simulation",
-                "those that can: discharged_mass, mass_on_base, roller_force_x, roller_force_z, roller_torque");
+                "those that can: discharged_mass, mass_on_base, roller_force_x, roller_force_z, roller_torque, surface_angle");
   }
 
   const Model& model_;
@@ -140,7 +167,7 @@ class Keeper {
   std::vector<Contact> contacts_;
   std::optional<Snapshot> before_;
   std::optional<Outlet> outlet_;
-  int base_ = -1, roller_ = -1;
+  int base_ = -1, roller_ = -1, drum_ = -1;
   bool needs_contacts_ = false;
 };
 

@@ -83,6 +83,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   }
   const Spreading spreading = over_the_bed(scene, bed_prepared.model, bed->state, options);
   const Prepared& prepared = spreading.prepared;
+  repose::tell(prepared.findings);
   const SpreaderPath& path = spreading.path;
   const RunReport report = simulate(prepared, options, "result.json", {}, setup.spreader);
   const int status = report_status(report, options);

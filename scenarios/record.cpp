@@ -1,17 +1,24 @@
 /// repose record SCENE.yaml: a simulated run as a recording bundle.
 #include <fmt/format.h>
 
+#include <chrono>
+#include <limits>
+
 #include "analysis/bundle/read_bundle.hpp"
 #include "analysis/bundle/write_bundle.hpp"
 #include "analysis/heap_measurement.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
+#include "scenarios/layer_observations.hpp"
+#include "scenarios/progress.hpp"
 #include "scenarios/record_block.hpp"
 #include "scenarios/simulate.hpp"
 
 namespace {
 
 using namespace repose;
+
+constexpr double told_after = 2;  // [s]
 
 /// Profile and angle of the heap that a run left.
 void measure_heap_into(const Prepared& prepared, const HistoryRun& run, Observation& o) {
@@ -35,12 +42,25 @@ void solve_closely(Prepared& prepared) {
   prepared.scene.solver.integration = Integration::second_order;
 }
 
-BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
-                     const Options& options, std::uint64_t seed) {
-  BundleRun run;
-  run.id = wanted.id;
-  run.set = wanted.set;
-  run.free = block.free;
+/// Everything that was asked for of a layer.
+std::vector<Observation> observe_layer(const SpreadLayer& layer, const RecordBlock& block) {
+  const History loads = loads_on_spreader(layer);
+  std::vector<Observation> result;
+  for (Observation o : block.observables) {
+    if (!shown_by_a_layer(o))
+      throw Error("record.observables", "`" + o.name + "` is not recorded of a scene with a `layer` block",
+                  "those that are: surfaces layer_before and layer_after, series roller_force_x, roller_force_z, roller_torque");
+    if (o.kind == ObservableKind::surface)
+      o = surface_of(layer, o.name, std::numeric_limits<std::size_t>::max());
+    else
+      observe(loads, sample_times(block.sensor.rate, loads.time.back()), o);
+    result.push_back(std::move(o));
+  }
+  return result;
+}
+
+/// Everything that was asked for of any other scene.
+std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock& block, const Options& options, std::uint64_t seed) {
   SimulationRequest request;
   request.scene = &prepared.scene;
   request.seed = seed;
@@ -48,18 +68,39 @@ BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const R
     if (o.kind == ObservableKind::series && o.body.empty()) request.series.push_back(o.name);
   const HistoryRun made = run_history(*prepared.backend, request, options.allow_unsupported);
   const std::vector<double> times = sample_times(block.sensor.rate, prepared.scene.duration);
-  for (std::size_t i = 0; i < block.observables.size(); ++i) {
-    Observation o = block.observables[i];
+  std::vector<Observation> result;
+  for (Observation o : block.observables) {
+    if (o.kind == ObservableKind::surface)
+      throw Error("record.observables", "a surface is recorded of a layer alone", "add a `layer` block; see scenarios/configs/layer-quick.yaml");
     if (o.kind == ObservableKind::trajectory || o.kind == ObservableKind::series)
       observe(made.history, times, o);
     else
       measure_heap_into(prepared, made, o);
+    result.push_back(std::move(o));
+  }
+  return result;
+}
+
+BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
+                     const Options& options, std::uint64_t seed) {
+  BundleRun run;
+  run.id = wanted.id;
+  run.set = wanted.set;
+  run.free = block.free;
+  if (prepared.scene.layer) {
+    const std::optional<SpreadLayer> layer = LayerRuns(options, LayerRuns::Beds::dropped).run(prepared.scene, seed);
+    if (!layer) throw Error("", "interrupted", "", Error::Kind::simulation);
+    run.observations = observe_layer(*layer, block);
+  } else {
+    run.observations = observe_run(prepared, block, options, seed);
+  }
+  for (std::size_t i = 0; i < run.observations.size(); ++i) {
+    Observation& o = run.observations[i];
     if (o.kind != ObservableKind::scalar) {
       Random random(options.seed, 1000 * seed + i);
       disturb(block.sensor, random, o);
       o.file = file_name(run.id, o, block.observables);
     }
-    run.observations.push_back(std::move(o));
   }
   return run;
 }
@@ -75,7 +116,12 @@ int record(const Options& options) {
   bundle.calibrate = block.calibrate;
   for (const auto& [name, sd] : block.sensor.noise)
     if (sd > 0) bundle.noise[name] = sd;
+  ProgressDisplay display(options.quiet);
+  const auto begun = std::chrono::steady_clock::now();
   for (std::size_t i = 0; i < block.runs.size(); ++i) {
+    const double done = static_cast<double>(i), all = static_cast<double>(block.runs.size());
+    const double so_far = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (so_far > told_after) display.show(done, all, i > 0 ? so_far * (all / done - 1) : 0, "recording " + block.runs[i].id);
     std::vector<Override> changes = options.overrides;
     changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
     changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());

@@ -31,8 +31,8 @@ std::string read_name(const YamlReader& reader, const std::vector<std::string>& 
 Observation read_observable(const YamlReader& entry, const Scene& scene) {
   Observation o;
   constexpr ObservableKind kinds[] = {ObservableKind::trajectory, ObservableKind::series, ObservableKind::profile,
-                                      ObservableKind::scalar};
-  o.kind = kinds[entry.at("kind").choice({"trajectory", "series", "profile", "scalar"})];
+                                      ObservableKind::surface, ObservableKind::scalar};
+  o.kind = kinds[entry.at("kind").choice({"trajectory", "series", "profile", "surface", "scalar"})];
   switch (o.kind) {
     case ObservableKind::trajectory:
       entry.only({"kind", "body"});
@@ -42,7 +42,7 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
     case ObservableKind::series:
       entry.only({"kind", "name", "body", "axis", "unit"});
       o.name = read_name(entry.at("name"), {"specific_force", "speed", "height", "discharged_mass", "mass_on_base",
-                                            "roller_force_x", "roller_force_z", "roller_torque"});
+                                            "roller_force_x", "roller_force_z", "roller_torque", "surface_angle"});
       if (o.name == "specific_force" || o.name == "speed" || o.name == "height")
         o.body = read_body(entry.at("body"), scene);
       if (o.name == "specific_force") {
@@ -55,6 +55,10 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
     case ObservableKind::profile:
       entry.only({"kind", "name", "unit"});
       o.name = read_name(entry.at("name"), {"heap"});
+      break;
+    case ObservableKind::surface:
+      entry.only({"kind", "name", "unit"});
+      o.name = read_name(entry.at("name"), {"layer_before", "layer_after"});
       break;
     default:
       entry.only({"kind", "name", "unit"});

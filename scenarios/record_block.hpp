@@ -9,6 +9,7 @@
 ///       - {kind: trajectory, body: ball}
 ///       - {kind: series, name: specific_force, body: ball, axis: [0, 0, 1], unit: m/s^2}
 ///       - {kind: profile, name: heap}
+///       - {kind: surface, name: layer_after}       # of a scene with a `layer` block: it is spread as by `repose layer`
 ///     runs: [{id: slow, set: {bodies.ball.velocity: [1, 0, 0]}}]   # default: one run, run-01
 ///     conceal: {pairs.pa12-steel.rolling_friction: 0.1}   # true of the recorded world, absent from the bundle's scene
 ///     free: [bodies.ball.velocity]                 # handed on to every run

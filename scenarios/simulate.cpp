@@ -90,6 +90,16 @@ Prepared prepare(const std::filesystem::path& scene_file, const Options& options
 }
 
 Prepared prepare(Scene scene, const Options& options, const std::function<void(Model&)>& adjust) {
+  Prepared p = prepare_quietly(std::move(scene), options, adjust);
+  tell(p.findings);
+  return p;
+}
+
+void tell(const std::vector<Finding>& findings) {
+  for (const Finding& finding : findings) fmt::print(stderr, "{}: {}\n", level_name(finding.level), told(finding));
+}
+
+Prepared prepare_quietly(Scene scene, const Options& options, const std::function<void(Model&)>& adjust) {
   Prepared p;
   p.backend = &find_backend(options.backend);
   p.scene = std::move(scene);
@@ -99,7 +109,6 @@ Prepared prepare(Scene scene, const Options& options, const std::function<void(M
   p.model = realise(p.scene, options.seed);
   if (adjust) adjust(p.model);
   judge(check_plausibility(p.scene, &p.model), options.force, p.findings);
-  for (const Finding& finding : p.findings) fmt::print(stderr, "{}: {}\n", level_name(finding.level), told(finding));
   p.unsupported = p.backend->unsupported(p.model);
   if (!p.unsupported.empty() && !options.allow_unsupported)
     throw Error("--backend " + options.backend, "this backend cannot do: " + listing(p.unsupported),

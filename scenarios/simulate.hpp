@@ -28,6 +28,12 @@ Prepared prepare(const std::filesystem::path& scene_file, const Options& options
 /// As above for a scene that is already loaded or edited. `adjust` may move the grains before they are checked (a settled bed).
 Prepared prepare(Scene scene, const Options& options, const std::function<void(Model&)>& adjust = {});
 
+/// As above, and tells nothing: for runs that are one of many.
+Prepared prepare_quietly(Scene scene, const Options& options, const std::function<void(Model&)>& adjust = {});
+
+/// Findings on stderr.
+void tell(const std::vector<Finding>& findings);
+
 /// Runs it with frames, checkpoints and progress into options.out. A fresh run first removes `main_file` there (the folder
 /// is complete exactly when it is present). `finished`: see RunHooks; `tracked`: see Schedule; both may be empty.
 RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file = "result.json",

@@ -36,7 +36,7 @@ Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& set
   if (heights.n == 0) throw Error("layer.region", "no grain lies over the region", "move the region to where the bed is");
   Spreading ready;
   ready.path = spreader_path(scene, bed, settled, heights.mean);
-  ready.prepared = prepare(spreading_scene(scene, ready.path), options, [&](Model& model) { take_over(bed, settled, model); });
+  ready.prepared = prepare_quietly(spreading_scene(scene, ready.path), options, [&](Model& model) { take_over(bed, settled, model); });
   return ready;
 }
 

@@ -13,7 +13,7 @@ struct Spreading {
 /// Throws Error if the scene has no `layer` block. `place`: names the scene; may be empty.
 void demand_layer(const Scene& scene, const std::string& place);
 
-/// `bed`: the model of bed_scene(scene), and `settled` its state at rest. Throws Error if no grain lies over the region, and what
+/// Tells no findings; they are in the result. `bed`: the model of bed_scene(scene), and `settled` its state at rest. Throws Error if no grain lies over the region, and what
 /// spreader_path and prepare throw.
 Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options);
 

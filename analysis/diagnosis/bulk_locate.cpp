@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/diagnosis/bulk_summary.hpp"
 #include "analysis/statistics.hpp"
 #include "analysis/two_samples.hpp"
 
@@ -79,6 +80,12 @@ std::vector<BulkLocated> locate_bulk(const Runs& recorded, const Runs& simulated
     part.phase = phase_of(o);
     const auto compare = [&](auto value) { test(part, values(recorded, o, value), values(simulated, o, value), found); };
     if (o.kind == ObservableKind::scalar) compare([](const Observation& x) { return x.scalar; });
+    if (o.kind == ObservableKind::surface) {
+      const BulkSummary mean{o.name + "_mean", o.name, part.phase, ""}, sd{o.name + "_sd", o.name, part.phase, ""};
+      compare([&](const Observation& x) { return value_of(mean, {x}); });
+      part.quantity = "roughness";
+      compare([&](const Observation& x) { return value_of(sd, {x}); });
+    }
     if ((o.kind == ObservableKind::series && model->time.size() < 2) || (o.kind == ObservableKind::profile && o.at.empty())) continue;
     if (o.kind != ObservableKind::series && o.kind != ObservableKind::profile) continue;
     const bool series = o.kind == ObservableKind::series;

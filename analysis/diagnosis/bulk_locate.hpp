@@ -10,6 +10,7 @@ namespace repose::diagnosis {
 
 struct BulkLocated {
   std::string observable, phase;      ///< phase: heap, flow or spread
+  std::string quantity;               ///< "roughness": standard deviation of a surface's heights; empty: the mean
   std::optional<double> t_start, t_end;            ///< part of a series [s]
   std::optional<double> radius_from, radius_to;    ///< part of a profile [m]
   double difference = 0;              ///< recorded minus simulated, mean over the part, in the observable's unit
@@ -18,7 +19,7 @@ struct BulkLocated {
 };
 
 /// `recorded`, `simulated`: observations of replicates, sampled alike (bulk_sampling.hpp). Profiles are parted by radius, series by the time between 2 % and 98 % of the rise of
-/// the simulated mean (the whole time if it does not rise); scalars stand whole. Sorted by p. Fewer than two recorded runs: none can be
+/// the simulated mean (the whole time if it does not rise); scalars stand whole, and so do surfaces, by mean height and roughness. Sorted by p. Fewer than two recorded runs: none can be
 /// tested, p = 1.
 std::vector<BulkLocated> locate_bulk(const std::vector<std::vector<Observation>>& recorded, const std::vector<std::vector<Observation>>& simulated);
 

@@ -133,7 +133,11 @@ std::vector<BulkSummary> summaries_of(const std::vector<Observation>& observatio
       add(5, {"heap_concavity", o.name, "heap", "deg"});
     }
     if (o.kind == ObservableKind::series && o.name == "mass_on_base") add(8, {"load_on_base", o.name, "heap", o.unit});
-    if (o.kind == ObservableKind::surface || (o.kind == ObservableKind::series && is_load(o.name))) {
+    if (o.kind == ObservableKind::surface) {
+      add(9, {o.name + "_sd", o.name, "spread", "m"});
+      add(10, {o.name + "_mean", o.name, "spread", "m"});
+    }
+    if (o.kind == ObservableKind::series && is_load(o.name)) {
       const std::string phase = o.name == "surface_angle" ? "flow" : "spread";
       add(9, {o.name + "_mean", o.name, phase, o.unit});
       add(10, {o.name + "_sd", o.name, phase, o.unit});

@@ -28,7 +28,7 @@ struct BulkSummary {
 ///   poured_mass              through the outlet in the end
 ///   load_on_base             mean of the last tenth of `mass_on_base`
 ///   <series>_mean, <series>_sd   of surface_angle and the roller's loads: the scatter of a drum's angle is its avalanches
-///   <surface>_mean, <surface>_sd height and roughness [m]
+///   <surface>_sd, <surface>_mean roughness and height [m]
 ///
 /// Other scalars stand for themselves. Trajectories and series of single bodies have none.
 std::vector<BulkSummary> summaries_of(const std::vector<Observation>& observations);

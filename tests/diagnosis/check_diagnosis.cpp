@@ -1,5 +1,5 @@
-// What a diagnosis must hold: the verdict, the effect, a value within its interval, and held-out runs that the extended scene, run anew,
-// fits as the file states.
+// What a diagnosis must hold: the verdict, the effect, a value within its interval, and held-out runs that the extended scene fits better
+// and, run anew, as the file states.
 //
 //   check_diagnosis OUT BUNDLE VERDICT [EFFECT PARAMETER VALUE]
 #include <fmt/format.h>
@@ -63,9 +63,10 @@ int main(int argc, char** argv) {
   const double margin = 0.5 * (upper - lower);
   demand(lower - margin <= value && value <= upper + margin, fmt::format("{} is not in {} .. {}", value, lower, upper));
   const json& held = found["fit"]["heldout"];
-  demand(held["extended"]["log_likelihood"] > held["nominal"]["log_likelihood"], "held-out runs are not fitted better: " + held.dump());
+  demand(held["extended"]["chi2_per_dof"] < held["nominal"]["chi2_per_dof"], "held-out runs are not fitted better: " + held.dump());
   demand(held["extended"]["chi2_per_dof"] < 2, "held-out runs are not fitted to their noise: " + held.dump());
   if (found["verdict"] == "measurement") return 0;  // not of the scene
+  if (bundle.runs.front().observations.front().kind != ObservableKind::trajectory) return 0;  // a packing does not repeat
   double squares = 0, samples = 0;
   for (const json& id : held["runs"]) add_squares(out, bundle, id, held["extended"]["own"][id.get<std::string>()], squares, samples);
   const double stated = held["extended"]["rmse"]["position"], again = std::sqrt(squares / samples);

@@ -36,4 +36,10 @@ case $case in
     diagnose
     "$check" "$work/out" "$work/bundle" measurement length_scale length_scale.factor 1.03
     ;;
+  layer)
+    # Grains by the hundred: surfaces and loads against the scatter of packings.
+    record "$source/scenarios/configs/concealed_layer.yaml" --set "record.runs=[{id: a}, {id: b}, {id: c}, {id: d}, {id: e}, {id: f}]"
+    diagnose --candidates cohesion --candidates grain_shape
+    "$check" "$work/out" "$work/bundle" missing cohesion pairs.pa12-pa12.cohesion 30e-9
+    ;;
 esac

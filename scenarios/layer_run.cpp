@@ -1,0 +1,74 @@
+#include "scenarios/layer_run.hpp"
+
+#include "backends/backends.hpp"
+#include "core/run.hpp"
+#include "scenarios/bed.hpp"
+#include "scenarios/interrupt.hpp"
+
+namespace repose {
+namespace {
+
+/// Runs what was prepared without frames; nullopt if it was interrupted.
+std::optional<RunReport> simulated(const Prepared& p, RunHooks hooks, const std::string& tracked = "") {
+  const std::unique_ptr<World> world = p.backend->make(p.model, p.scene.solver);
+  hooks.interrupted = interrupted;
+  const Schedule schedule{p.scene.solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, false, tracked};
+  RunReport report = run(*world, p.model, schedule, nullptr, hooks);
+  if (report.end == RunReport::End::interrupted) return std::nullopt;
+  return report;
+}
+
+}  // namespace
+
+LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& options) {
+  Prepared prepared = prepare_quietly(bed_scene(scene), options);
+  std::string key;
+  std::promise<BedInMemory> promise;
+  std::shared_future<BedInMemory> future;
+  bool mine = false;
+  {
+    const std::scoped_lock lock(mutex_);  // the key is made with HDF5, which one thread at a time may use
+    key = bed_key(prepared, options);
+    auto [entry, added] = beds_.try_emplace(key);
+    if (added) entry->second = promise.get_future().share();
+    future = entry->second;
+    mine = added;
+  }
+  if (!mine) return future.get();
+  try {
+    RunHooks hooks;
+    hooks.finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
+    const std::optional<RunReport> report = simulated(prepared, hooks);
+    BedInMemory bed;
+    if (report) bed = std::make_shared<SettledBed>(SettledBed{std::move(prepared.model), report->final_state, report->wall_s});
+    promise.set_value(std::move(bed));
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+  }
+  if (!keep_) {
+    const std::scoped_lock lock(mutex_);
+    beds_.erase(key);
+  }
+  return future.get();
+}
+
+std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed) {
+  demand_layer(scene, "");
+  Options options = options_;
+  options.seed = seed;
+  SpreadLayer layer;
+  layer.bed = bed_of(scene, options);
+  if (!layer.bed) return std::nullopt;
+  layer.spreading = over_the_bed(scene, layer.bed->model, layer.bed->state, options);
+  const Prepared& p = layer.spreading.prepared;
+  RunHooks hooks;
+  hooks.logged = [&](const StepRecord& step) { layer.steps.push_back(step); };
+  std::optional<RunReport> report = simulated(p, hooks, scene.layer->spreader);
+  if (!report) return std::nullopt;
+  layer.report = *std::move(report);
+  const SpreaderPath& path = layer.spreading.path;
+  layer.measured = measure_layer(*scene.layer, p.model, p.model.initial, layer.report.final_state, layer.steps, path.lowest, path.from);
+  return layer;
+}
+
+}  // namespace repose
