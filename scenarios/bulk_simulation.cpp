@@ -12,6 +12,7 @@
 #include "scenarios/history.hpp"
 #include "scenarios/interrupt.hpp"
 #include "scenarios/layer_observations.hpp"
+#include "scenarios/record_block.hpp"
 #include "scenarios/version.hpp"
 
 namespace repose {
@@ -25,7 +26,8 @@ const std::set<std::string>& simulated_series() {
 }
 
 bool can_be_simulated(const Scene& scene, const Observation& o) {
-  if (scene.layer) return shown_by_a_layer(o);
+  if (scene.layer) return told_of_a_layer(o);
+  if (o.name == "surface_angle" && !has_turning_drum(scene)) return false;
   return (o.kind == ObservableKind::scalar && o.name == "angle_of_repose") || (o.kind == ObservableKind::profile && o.name == "heap") ||
          (o.kind == ObservableKind::series && simulated_series().contains(o.name));
 }

@@ -16,7 +16,7 @@ struct BulkSimulation {
   std::function<void(const std::string& stage, const JobsProgress&)> progress;
 };
 
-/// Takes out of the bundle what a simulation cannot show beside it (unknown names, surfaces of scenes without a `layer` block), with a warning
+/// Takes out of the bundle what a simulation cannot show beside it (unknown names, surfaces of scenes without a `layer` block, the angle in a drum that does not turn), with a warning
 /// for each.
 Bundle only_simulated(Bundle bundle);
 

@@ -33,9 +33,9 @@ class Keeper {
     }
     for (const std::string& name : request.series) series_.push_back({name, &history_.series[name]});
     outlet_ = funnel_outlet(scene);
-    base_ = named(scene, "base");
-    roller_ = named(scene, "roller");
-    drum_ = named(scene, "drum");
+    base_ = tool_of<Base>(scene, "base");
+    roller_ = tool_of<Roller>(scene, "roller");
+    drum_ = tool_of<Drum>(scene, "drum");
     needs_contacts_ =
         request.contacts || std::any_of(request.series.begin(), request.series.end(), [](const std::string& name) {
           return name == "mass_on_base" || name.starts_with("roller_");
@@ -53,10 +53,11 @@ class Keeper {
   History take() { return std::move(history_); }
 
  private:
-  /// Index into Model::names of a tool whose name, or whose kind, is `word`; -1 if there is none.
-  int named(const Scene& scene, const std::string& word) const {
+  /// Index into Model::names of the first tool of the kind, or with `word` in its name; -1 if there is none.
+  template <class Kind>
+  int tool_of(const Scene& scene, const std::string& word) const {
     for (const Tool& tool : scene.tools)
-      if (tool.name.find(word) != std::string::npos)
+      if (tool.name.find(word) != std::string::npos || std::holds_alternative<Kind>(tool.kind))
         for (std::size_t i = 0; i < model_.names.size(); ++i)
           if (model_.names[i] == tool.name) return static_cast<int>(i);
     return -1;
@@ -181,6 +182,12 @@ void add_loads(const Model& model, const std::vector<WindowLoad>& windows, const
 }
 
 }  // namespace
+
+bool has_turning_drum(const Scene& scene) {
+  return std::any_of(scene.tools.begin(), scene.tools.end(), [](const Tool& tool) {
+    return std::holds_alternative<Drum>(tool.kind) && !tool.motion.angular_velocity.isZero(0);
+  });
+}
 
 HistoryRun run_history(const Backend& backend, const SimulationRequest& request, bool allow_unsupported) {
   HistoryRun result;

@@ -11,6 +11,9 @@ namespace repose {
 /// Throws Error (Kind::input) for physics that the backend lacks, unless `allow_unsupported`.
 Simulate simulate_with(const Backend& backend, bool allow_unsupported);
 
+/// A drum with an angular velocity: what the series `surface_angle` needs.
+bool has_turning_drum(const Scene& scene);
+
 /// As above for a model that exists, with its final state: for measurements of a heap.
 struct HistoryRun {
   Model model;

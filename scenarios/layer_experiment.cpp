@@ -1,3 +1,5 @@
+#include <mutex>
+
 #include "scenarios/bed.hpp"
 #include "scenarios/experiment.hpp"
 #include "scenarios/layer_run.hpp"
@@ -77,11 +79,13 @@ class LayerExperiment : public Experiment {
  private:
   const Options options_;
   LayerRuns runs_;
+  std::once_flag told_;
 };
 
 std::optional<json> LayerExperiment::run(const Scene& scene, std::uint64_t seed) {
   const std::optional<SpreadLayer> layer = runs_.run(scene, seed);
   if (!layer) return std::nullopt;
+  std::call_once(told_, [&] { tell(layer->spreading.prepared.findings); });  // the points differ in little
   return observables_of(*layer, *scene.layer);
 }
 

@@ -1,18 +1,11 @@
 #include "scenarios/layer_observations.hpp"
 
-#include <cmath>
-
 namespace repose {
 namespace {
 
 constexpr double least_converged = 0.95;
 
 }  // namespace
-
-bool shown_by_a_layer(const Observation& o) {
-  if (o.kind == ObservableKind::surface) return o.name == "layer_before" || o.name == "layer_after";
-  return o.kind == ObservableKind::series && o.name.starts_with("roller_");
-}
 
 std::string unit_of_load(const std::string& series) { return series == "roller_torque" ? "N m" : "N"; }
 

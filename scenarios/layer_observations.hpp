@@ -8,9 +8,6 @@
 
 namespace repose {
 
-/// Surfaces `layer_before`, `layer_after`, and series `roller_force_x`, `roller_force_z`, `roller_torque` (of a blade likewise).
-bool shown_by_a_layer(const Observation& observation);
-
 /// "N", or "N m" for the torque.
 std::string unit_of_load(const std::string& series);
 
@@ -18,7 +15,8 @@ std::string unit_of_load(const std::string& series);
 /// more than `most` places. NaN: a hole. `name`: layer_before or layer_after.
 Observation surface_of(const SpreadLayer& layer, const std::string& name, std::size_t most);
 
-/// The loads on the spreader [N], [N m] (torque about y at its centre) at every step of the spreading, from its start.
+/// The loads on the spreader, series as told_of_a_layer() names them [N], [N m] (torque about y at its centre): at the end of every step, times from
+/// the start of the spreading.
 History loads_on_spreader(const SpreadLayer& layer);
 
 }  // namespace repose

@@ -47,9 +47,6 @@ std::vector<Observation> observe_layer(const SpreadLayer& layer, const RecordBlo
   const History loads = loads_on_spreader(layer);
   std::vector<Observation> result;
   for (Observation o : block.observables) {
-    if (!shown_by_a_layer(o))
-      throw Error("record.observables", "`" + o.name + "` is not recorded of a scene with a `layer` block",
-                  "those that are: surfaces layer_before and layer_after, series roller_force_x, roller_force_z, roller_torque");
     if (o.kind == ObservableKind::surface)
       o = surface_of(layer, o.name, std::numeric_limits<std::size_t>::max());
     else
@@ -70,8 +67,6 @@ std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock
   const std::vector<double> times = sample_times(block.sensor.rate, prepared.scene.duration);
   std::vector<Observation> result;
   for (Observation o : block.observables) {
-    if (o.kind == ObservableKind::surface)
-      throw Error("record.observables", "a surface is recorded of a layer alone", "add a `layer` block; see scenarios/configs/layer-quick.yaml");
     if (o.kind == ObservableKind::trajectory || o.kind == ObservableKind::series)
       observe(made.history, times, o);
     else
@@ -81,14 +76,14 @@ std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock
   return result;
 }
 
-BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
+BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
                      const Options& options, std::uint64_t seed) {
   BundleRun run;
   run.id = wanted.id;
   run.set = wanted.set;
   run.free = block.free;
-  if (prepared.scene.layer) {
-    const std::optional<SpreadLayer> layer = LayerRuns(options, LayerRuns::Beds::dropped).run(prepared.scene, seed);
+  if (scene.layer) {
+    const std::optional<SpreadLayer> layer = LayerRuns(options, LayerRuns::Beds::dropped).run(scene, seed);
     if (!layer) throw Error("", "interrupted", "", Error::Kind::simulation);
     run.observations = observe_layer(*layer, block);
   } else {
@@ -105,6 +100,25 @@ BundleRun record_run(const Prepared& prepared, const RecordBlock& block, const R
   return run;
 }
 
+void record_runs(const RecordBlock& block, const Options& options, Bundle& bundle) {
+  ProgressDisplay display(options.quiet);
+  const auto begun = std::chrono::steady_clock::now();
+  for (std::size_t i = 0; i < block.runs.size(); ++i) {
+    const double done = static_cast<double>(i), all = static_cast<double>(block.runs.size());
+    const double so_far = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (so_far > told_after) display.show(done, all, so_far * (all / done - 1), "recording " + block.runs[i].id);
+    std::vector<Override> changes = options.overrides;
+    changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
+    changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
+    const Scene scene = load_scene(options.file, changes);
+    // Where the scene puts a spreader holds for `repose run` alone.
+    Prepared prepared = prepare_quietly(scene.layer ? bed_scene(scene) : scene, options);
+    if (i == 0) tell(prepared.findings);  // the runs differ in little
+    solve_closely(prepared);
+    bundle.runs.push_back(record_run(scene, prepared, block, block.runs[i], options, options.seed + i));
+  }
+}
+
 int record(const Options& options) {
   const Scene nominal = load_scene(options.file, options.overrides);
   const RecordBlock block = read_record_block(nominal, options.file.string());
@@ -116,19 +130,7 @@ int record(const Options& options) {
   bundle.calibrate = block.calibrate;
   for (const auto& [name, sd] : block.sensor.noise)
     if (sd > 0) bundle.noise[name] = sd;
-  ProgressDisplay display(options.quiet);
-  const auto begun = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < block.runs.size(); ++i) {
-    const double done = static_cast<double>(i), all = static_cast<double>(block.runs.size());
-    const double so_far = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    if (so_far > told_after) display.show(done, all, i > 0 ? so_far * (all / done - 1) : 0, "recording " + block.runs[i].id);
-    std::vector<Override> changes = options.overrides;
-    changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
-    changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
-    Prepared prepared = prepare(load_scene(options.file, changes), options);
-    solve_closely(prepared);
-    bundle.runs.push_back(record_run(prepared, block, block.runs[i], options, options.seed + i));
-  }
+  record_runs(block, options, bundle);
   write_bundle(options.out, bundle);
   fmt::print("{} run{} of {} observable{}\n{}\n", bundle.runs.size(), bundle.runs.size() == 1 ? "" : "s",
              block.observables.size(), block.observables.size() == 1 ? "" : "s",

@@ -38,7 +38,7 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
       entry.only({"kind", "body"});
       o.name = "position";
       o.body = read_body(entry.at("body"), scene);
-      return o;
+      break;
     case ObservableKind::series:
       entry.only({"kind", "name", "body", "axis", "unit"});
       o.name = read_name(entry.at("name"), {"specific_force", "speed", "height", "discharged_mass", "mass_on_base",
@@ -57,7 +57,7 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
       o.name = read_name(entry.at("name"), {"heap"});
       break;
     case ObservableKind::surface:
-      entry.only({"kind", "name", "unit"});
+      entry.only({"kind", "name"});
       o.name = read_name(entry.at("name"), {"layer_before", "layer_after"});
       break;
     default:
@@ -66,6 +66,11 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
       o.unit = "deg";
   }
   if (entry.has("unit")) o.unit = entry.at("unit").text();
+  if (scene.layer && !told_of_a_layer(o))
+    entry.fail(fmt::format("`{}` is not recorded of a scene with a `layer` block", o.name),
+               "those that are: surfaces layer_before and layer_after, series roller_force_x, roller_force_z, roller_torque");
+  if (!scene.layer && o.kind == ObservableKind::surface)
+    entry.fail("a surface is recorded of a layer alone", "add a `layer` block; see scenarios/configs/layer-quick.yaml");
   return o;
 }
 
@@ -114,6 +119,11 @@ void read_sensor(const YamlReader& block, RecordBlock& record) {
 }
 
 }  // namespace
+
+bool told_of_a_layer(const Observation& o) {
+  if (o.kind == ObservableKind::surface) return o.name == "layer_before" || o.name == "layer_after";
+  return o.kind == ObservableKind::series && o.body.empty() && (o.name == "roller_force_x" || o.name == "roller_force_z" || o.name == "roller_torque");
+}
 
 RecordBlock read_record_block(const Scene& scene, const std::string& name) {
   RecordBlock record;

@@ -36,6 +36,10 @@ struct RecordBlock {
   std::string scene_without_record;  ///< YAML
 };
 
+/// What is told of a scene with a `layer` block: surfaces `layer_before` and `layer_after`, series `roller_force_x`, `roller_force_z` and `roller_torque`
+/// (of a blade likewise).
+bool told_of_a_layer(const Observation& observation);
+
 /// Throws Error naming file, line and key. A scene without the block records the poses of all free bodies, 100 a
 /// second.
 RecordBlock read_record_block(const Scene& scene, const std::string& name);

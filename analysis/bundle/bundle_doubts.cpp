@@ -67,7 +67,7 @@ void doubt_clocks(const BundleRun& run, const Scene& scene, std::vector<std::str
     if (longest_gap(o.time) > longest_fair_gap)
       doubts.push_back(fmt::format("run {}: `{}` has a gap {:.0f} times as long as its usual interval; was the clock set, or were samples lost?", run.id,
                                    o.name, longest_gap(o.time)));
-    if (o.time.back() < scene.duration / shortest_fair_part && o.time.size() > 4)
+    if (!scene.layer && o.time.back() < scene.duration / shortest_fair_part && o.time.size() > 4)
       doubts.push_back(fmt::format("run {}: `{}` ends after {:.3g} s of the scene's {:.3g} s; are its times in seconds?", run.id, o.name, o.time.back(),
                                    scene.duration));
   }

@@ -92,7 +92,7 @@ void turn_into_si(const YamlReader& entry, Observation& o) {
 void check_scales(const BundleRun& run, const Scene& scene) {
   for (const Observation& o : run.observations) {
     if (o.time.empty() || o.kind == ObservableKind::profile) continue;
-    if (o.time.back() > too_long * scene.duration)
+    if (!scene.layer && o.time.back() > too_long * scene.duration)  // a layer takes as long as its spreader travels
       throw Error(fmt::format("run {}: {}: `{}`", run.id, o.file, o.name),
                   fmt::format("its times end at {:.6g} s, but the scene after {:.6g} s", o.time.back(), scene.duration),
                   "times are in seconds from the start of the scene: are these milliseconds, or a clock of their own? Else make `duration` longer");

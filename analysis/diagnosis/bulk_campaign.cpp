@@ -1,5 +1,7 @@
 #include "analysis/diagnosis/bulk_campaign.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -44,6 +46,7 @@ void BulkCampaign::simulate(const std::string& stage, const std::vector<Wanted>&
   if (!answers) throw BulkInterrupted{};
   simulations_ += requests.size();
   auto answer = answers->begin();
+  demand_nominal(stage, wanted, *answers);
   for (const Wanted& w : wanted) {
     DesignPoint point;
     point.at = w.at;
@@ -60,6 +63,21 @@ void BulkCampaign::simulate(const std::string& stage, const std::vector<Wanted>&
     for (const auto& outcomes : point.outcomes) point.rows.push_back(rows_of(outcomes, data_.summaries));
     w.model->design.push_back(std::move(point));
   }
+}
+
+/// A tried value may fail; a nominal scene that fails with every seed cannot be diagnosed, and its first failure says why.
+void BulkCampaign::demand_nominal(const std::string& stage, const std::vector<Wanted>& wanted, const std::vector<BulkOutcome>& answers) const {
+  const std::string* failure = nullptr;
+  std::size_t at = 0;
+  for (const Wanted& w : wanted)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(w.seeds) * data_.settings.size(); ++i, ++at) {
+      if (w.model != &models_.front()) continue;
+      if (answers[at].failure.empty()) return;
+      failure = failure == nullptr ? &answers[at].failure : failure;
+    }
+  if (failure != nullptr)
+    throw Error("diagnose", fmt::format("{}: every simulation failed, the first one so: {}", stage, *failure), "mend the bundle's scene, or what its runs set",
+                Error::Kind::simulation);
 }
 
 /// Scatter about the mean: of the recorded runs, the nominal ones and those of each fitted candidate. Far from them it may be another.
@@ -80,7 +98,7 @@ void BulkCampaign::find_scatter() {
     scatter_.covariance(k, k) = std::max(scatter_.covariance(k, k), std::pow(resolution * largest, 2));
   }
   if (scatter_.dof < 1)
-    throw Error("diagnose", "no simulation of the nominal scene gave what was recorded", "run `repose aor` on it: does a heap form, and come to rest?", Error::Kind::simulation);
+    throw Error("diagnose", "no simulation of the nominal scene gave what was recorded", "simulate it: `repose aor` for a heap, `repose layer` for a layer", Error::Kind::simulation);
 }
 
 void BulkCampaign::fit(BulkModel& model) {

@@ -45,6 +45,7 @@ class BulkCampaign {
     Eigen::VectorXd at;
     int seeds;
   };
+  void demand_nominal(const std::string& stage, const std::vector<Wanted>& wanted, const std::vector<BulkOutcome>& answers) const;
   void simulate(const std::string& stage, const std::vector<Wanted>& wanted);
   void simulate_fit(const std::string& stage, const std::vector<BulkModel*>& models, int seeds);
   void fit(BulkModel& model);

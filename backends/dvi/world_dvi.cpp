@@ -36,7 +36,7 @@ class WorldDvi final : public World {
  public:
   WorldDvi(const Model& model, const SolverOptions& options)
       : model_(model), options_(options), units_(units_of(model)), finder_(model_, units_.length), laws_(model_, units_),
-        yielding_(model_, units_), bodies_(model_, units_), last_(bodies_.dynamic) {
+        yielding_(model_, units_), bodies_(model_, units_), last_(bodies_) {
     slot_.assign(bodies_.count(), -1);
     if (bodies_.count() < worth_a_thread) options_.threads = 1;
   }

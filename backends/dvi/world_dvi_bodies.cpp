@@ -36,7 +36,8 @@ void WorldBodies::load(const Snapshot& state) {
 }
 
 void WorldBodies::read(Snapshot& state, int threads) const {
-  if (state.size() != count()) state.resize(count());
+  for (const std::size_t size : {state.position.size(), state.orientation.size(), state.velocity.size(), state.angular_velocity.size()})
+    if (size != count()) state.resize(count());
   state.time = time;
   for_each_index(threads, count(), [&](std::size_t i) {
     state.position[i] = position[i] * units.length;

@@ -28,12 +28,13 @@ void LastImpulses::keep(std::span<const FoundContact> found, const ConeProblem& 
 }
 
 std::size_t LastImpulses::bearer(const ContactId& id) const {
-  const auto b = static_cast<std::size_t>(id.b());
-  return dynamic_[b] ? b : static_cast<std::size_t>(id.a());
+  const auto a = static_cast<std::size_t>(id.a()), b = static_cast<std::size_t>(id.b());
+  if (!bodies_.dynamic[a] || !bodies_.dynamic[b]) return bodies_.dynamic[b] ? b : a;
+  return bodies_.bound[a] < bodies_.bound[b] ? a : b;
 }
 
 void LastImpulses::link() {
-  first_.assign(dynamic_.size(), -1);
+  first_.assign(bodies_.count(), -1);
   resize_sparingly(next_, kept_.size());
   for (std::size_t k = 0; k < kept_.size(); ++k) {
     std::int32_t& first = first_[bearer(kept_[k].id)];
@@ -99,6 +100,11 @@ bool LastImpulses::restore(const Frame& frame, const Units& units) {
   if (numbers == frame.numbers.end() || ids == frame.integers.end() || last == frame.numbers.end() || last->second.size() != 1 ||
       numbers->second.size() != 3 * ids->second.size() || ids->second.size() % 2 != 0)
     return false;
+  const auto there = [&](std::int32_t body) { return body >= 0 && static_cast<std::size_t>(body) < bodies_.count(); };
+  for (std::size_t i = 0; i < ids->second.size(); i += 2) {
+    const ContactId id{static_cast<std::uint64_t>(ids->second[i]), 0};
+    if (!there(id.a()) || !there(id.b())) return false;
+  }
   kept_.clear();
   for (std::size_t i = 0; i < ids->second.size() / 2; ++i) {
     Kept kept;

@@ -7,14 +7,14 @@
 #include "backends/dvi/cone_problem.hpp"
 #include "backends/dvi/contact_finder.hpp"
 #include "backends/dvi/units.hpp"
+#include "backends/dvi/world_dvi_bodies.hpp"
 #include "core/world.hpp"
 
 namespace repose::dvi {
 
 class LastImpulses {
  public:
-  /// `dynamic`: of every body, whether contacts move it. Must outlive this.
-  explicit LastImpulses(const std::vector<char>& dynamic) : dynamic_(dynamic) {}
+  explicit LastImpulses(const WorldBodies& bodies) : bodies_(bodies) {}  ///< which must outlive this
 
   /// Those of a step of `step` [units.time]: one impulse for each contact found and of the problem.
   void keep(std::span<const FoundContact> found, const ConeProblem& problem, std::span<const Impulse> impulse, double step, int threads);
@@ -26,7 +26,7 @@ class LastImpulses {
 
   void read(std::vector<Contact>& contacts, const Units& units, int threads) const;
   void save(Frame& frame, const Units& units) const;
-  /// False, and nothing is changed, if the frame holds no such thing.
+  /// False, and nothing is changed, if the frame holds no such thing, or contacts of bodies that there are not.
   bool restore(const Frame& frame, const Units& units);
 
  private:
@@ -37,11 +37,11 @@ class LastImpulses {
     Vec3 couple = Vec3::Zero();  ///< on b
     ContactPoint point;
   };
-  /// The body whose chain a contact is in: a free one, for a tool may touch a whole bed.
+  /// The body whose chain a contact is in: a free one, for a tool may touch a whole bed, and the smaller of two.
   std::size_t bearer(const ContactId& id) const;
   void link();
 
-  const std::vector<char>& dynamic_;
+  const WorldBodies& bodies_;
   std::vector<Kept> kept_;
   std::vector<std::int32_t> first_;  ///< by body: contact that its chain begins with, -1: none
   std::vector<std::int32_t> next_;   ///< by contact: the one that follows in its chain, -1: none

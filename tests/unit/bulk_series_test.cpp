@@ -45,7 +45,7 @@ TEST(BulkSeries, SurfaceAngleInADrumIsTheDirectionOfTheGrainsFromItsAxis) {
 
 TEST(BulkSeries, SurfaceAngleNeedsADrumThatTurns) {
   EXPECT_THROW(drum_with(""), Error);
-  EXPECT_THROW(drum_with(", motion: {angular_velocity: [0, 1, 0]}", "mill"), Error);
+  EXPECT_NO_THROW(drum_with(", motion: {angular_velocity: [0, 1, 0]}", "mill"));
 }
 
 }  // namespace
