@@ -269,6 +269,7 @@ class Diagnosing {
     nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
     if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted, options_.seed, fit_options_);
     note_combinations(best);
+    note_numerics(search.base(), best.fit.layout.numerics);
     const PairedGain gain = paired_gain(nominal.held_out.per_run, best.held_out.per_run);
     result_.paired_p = gain.p;
     result_.effect_size = gain.effect_size;
@@ -277,6 +278,12 @@ class Diagnosing {
     tell_recorded_times();
     result_.extended_scene = emit_yaml(problem_.extended_scene(best.fit.layout, best.fit.shared));
     result_.simulations = problem_.simulations();
+  }
+
+  void note_numerics(std::size_t base, const Numerics& best) {
+    if (base != 0 || result_.verdict.word == "numerics" || result_.verdict.word == "unknown" || best.second_order == result_.models.front().fit.layout.numerics.second_order) return;
+    result_.notes.push_back(fmt::format("The recordings bear the step of an engine: beside what is missing they are fitted best when stepped as the scene says, at {:.2g} of its "
+                                        "step, and so is the extended scene.", best.step_factor));
   }
 
   /// Step 9: the best against its nearest rival of the same size, or against nothing missing.

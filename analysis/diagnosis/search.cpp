@@ -75,6 +75,7 @@ void Search::run() {
     const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
     if (!stopped() && !numerics_suffice) fit_singles();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_stated();
+    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_step_of_maker();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
     if (!stopped() && base_ != 0) fit_without_numerics();
     if (!stopped()) fit_parts_of_pairs();
@@ -263,12 +264,41 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::foresee_pairs(const std
   return best;
 }
 
-/// Second terms beside the best singles, while what these leave is more than noise; and pairs that help only together.
-void Search::fit_pairs() {
+/// All that the best singles leave may be the step of an engine that made the recordings, too small beside the physics to be seen before: these
+/// once more, stepped as the scene says and at a quarter of that. A second effect would only imitate it. Where something is left all the same,
+/// the step is no answer, and nothing changes.
+void Search::fit_step_of_maker() {
+  if (!fits_.front().layout.numerics.second_order) return;
+  const std::vector<std::size_t> order = singles_by_worth();
+  if (order.empty() || left_by(order.front()).p > level) return;
+  for (std::size_t i = 0; i < std::min(solved_again, order.size()); ++i)
+    for (const double step : {0.25, 1.0}) {
+      if (stopped()) return;
+      Fit& fit = fits_[order[i]];
+      tell(fit.layout.hypothesis.label() + " with another step", static_cast<double>(i), static_cast<double>(solved_again));
+      Fit start = fit;
+      start.layout.numerics = {};
+      start.layout.numerics.step_factor = step;
+      Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2);
+      if (!(again.chi2 < fit.chi2 - gain_of_numerics)) continue;
+      LackOfFit left = judge(again);
+      if (left.p <= level) continue;
+      fit = std::move(again);
+      left_.insert_or_assign(fit.layout.hypothesis.label(), std::move(left));
+    }
+}
+
+std::vector<std::size_t> Search::singles_by_worth() const {
   std::vector<std::size_t> order;
   for (std::size_t i = 1; i < fits_.size(); ++i)
     if (without_numerics(fits_[i].layout.hypothesis).terms.size() == 1) order.push_back(i);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth(fits_[a]) < worth(fits_[b]); });
+  return order;
+}
+
+/// Second terms beside the best singles, while what these leave is more than noise; and pairs that help only together.
+void Search::fit_pairs() {
+  const std::vector<std::size_t> order = singles_by_worth();
   if (!order.empty() && left_by(order.front()).p > level) return;
   std::vector<Fit> begun;
   const auto try_pair = [&](const Fit& base, const std::vector<const Screened*>& terms) {

@@ -70,6 +70,8 @@ class Search {
   bool wanted(const Term& term) const;
   void fit_singles();
   void fit_stated();
+  void fit_step_of_maker();
+  std::vector<std::size_t> singles_by_worth() const;
   void fit_pairs();
   void fit_parts_of_pairs();
   std::vector<std::pair<std::size_t, std::size_t>> foresee_pairs(const std::vector<std::size_t>& singles, const std::vector<Screened>& screened);

@@ -175,6 +175,16 @@ TEST(Diagnosis, NamesPhysicsAloneWhereTheStepIsTooCoarseAsWell) {
   EXPECT_NE(d.extended_scene.find("time_step: 0.0025"), std::string::npos) << d.extended_scene;
 }
 
+TEST(Diagnosis, TakesTheStepOfARecordedEngineForNoSecondEffect) {
+  // Drag, recorded by an engine of first order at a quarter of the step: what it leaves is half the noise, and smooth.
+  const Bundle bundle = recorded_by(fly_late_by(8), six(5, drag), [](SolverOptions& solver) { solver.time_step /= 4; });
+  const Diagnosis d = diagnose(bundle, fly_late_by(8), quick());
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"quadratic_drag"});
+  EXPECT_EQ(parse_scene(d.extended_scene, "extended").solver.integration, Integration::symplectic_euler);
+  EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.find("bear the step of an engine") != std::string::npos; }));
+}
+
 TEST(Diagnosis, BlamesAStepThatErrsByManyTimesTheNoise) {
   const Diagnosis d = diagnose(flights(six(1, "{}")), fly_late_by(20), quick());
   EXPECT_EQ(d.verdict.word, "numerics");
