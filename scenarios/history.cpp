@@ -12,11 +12,10 @@
 #include "core/nearest.hpp"
 #include "core/run.hpp"
 #include "scenarios/interrupt.hpp"
+#include "scenarios/simulate.hpp"
 
 namespace repose {
 namespace {
-
-constexpr double least_converged = 0.95;
 
 /// Fills a History while a world runs.
 class Keeper {

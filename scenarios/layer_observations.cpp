@@ -1,12 +1,6 @@
 #include "scenarios/layer_observations.hpp"
 
 namespace repose {
-namespace {
-
-constexpr double least_converged = 0.95;
-
-}  // namespace
-
 std::string unit_of_load(const std::string& series) { return series == "roller_torque" ? "N m" : "N"; }
 
 Observation surface_of(const SpreadLayer& layer, const std::string& name, std::size_t most) {

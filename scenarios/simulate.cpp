@@ -20,8 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double least_converged = 0.95;
-
 const char* level_name(Finding::Level level) {
   switch (level) {
     case Finding::Level::note: return "note";

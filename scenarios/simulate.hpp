@@ -12,6 +12,9 @@
 
 namespace repose {
 
+/// Share of the steps that must converge for a run to count.
+inline constexpr double least_converged = 0.95;
+
 /// A scene that is ready to run.
 struct Prepared {
   Scene scene;                           ///< with the threads that were asked for
