@@ -49,6 +49,7 @@ struct SimulationRequest {
   bool contacts = false;            ///< fill what comes from contacts
   std::vector<std::string> series;  ///< bulk series to record: reserved names
   std::vector<WindowLoad> loads;
+  std::string backend;              ///< that runs it, by its name; empty: the analysis's own
   bool until_rest = false;          ///< end as soon as the heap on the base is at rest, seen once a frame interval
 };
 

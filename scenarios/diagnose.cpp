@@ -131,6 +131,7 @@ int run(const Options& options, const Own& own) {
   how.max_held_out_runs = own.held_out;
   how.replicas = own.replicas;
   how.candidates = own.candidates;
+  how.other_backends = backends_beside(find_backend(options.backend));
   how.bootstrap = own.bootstrap;
   // Simulations are kept for the next diagnosis by the same build; a build with uncommitted changes has no name.
   const std::string build = commit();

@@ -7,6 +7,7 @@
 
 #include "analysis/discharge.hpp"
 #include "analysis/rest.hpp"
+#include "backends/backends.hpp"
 #include "core/body_frame.hpp"
 #include "core/error.hpp"
 #include "core/nearest.hpp"
@@ -223,8 +224,16 @@ HistoryRun run_history(const Backend& backend, const SimulationRequest& request,
 
 Simulate simulate_with(const Backend& backend, bool allow_unsupported) {
   return [&backend, allow_unsupported](const SimulationRequest& request) {
-    return run_history(backend, request, allow_unsupported).history;
+    if (request.backend.empty()) return run_history(backend, request, allow_unsupported).history;
+    return run_history(find_backend(request.backend), request, false).history;
   };
+}
+
+std::vector<std::string> backends_beside(const Backend& own) {
+  std::vector<std::string> names;
+  for (const Backend& backend : backends())
+    if (backend.name != own.name) names.emplace_back(backend.name);
+  return names;
 }
 
 }  // namespace repose

@@ -8,8 +8,11 @@
 namespace repose {
 
 /// Simulates with `backend`, in memory. `interrupted` is polled every step; then Error (Kind::simulation) is thrown.
-/// Throws Error (Kind::input) for physics that the backend lacks, unless `allow_unsupported`.
+/// Throws Error (Kind::input) for physics that the backend lacks, unless `allow_unsupported`; always where the request names another backend.
 Simulate simulate_with(const Backend& backend, bool allow_unsupported);
+
+/// All but the named one: what a diagnosis may suspect of having made the recordings.
+std::vector<std::string> backends_beside(const Backend& own);
 
 /// A drum with an angular velocity: what the series `surface_angle` needs.
 bool has_turning_drum(const Scene& scene);

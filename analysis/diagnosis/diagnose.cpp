@@ -48,6 +48,7 @@ class Diagnosing {
     how.replicas = options_.replicas;
     how.joint_fits = options_.joint_fits;
     how.candidates = options_.candidates;
+    how.other_backends = options_.other_backends;
     how.progress = options_.progress;
     how.interrupted = options_.interrupted;
     Search search(problem_, train_, how);
@@ -281,6 +282,11 @@ class Diagnosing {
   }
 
   void note_numerics(std::size_t base, const Numerics& best) {
+    if (!best.backend.empty() && result_.verdict.word != "unknown") {
+      result_.notes.push_back(fmt::format("The recordings bear the marks of an engine: they are fitted best as {0} solves the scene, at {1:.2g} of its step. So is the extended scene: "
+                                          "run it with `--backend {0}`.", best.backend, best.step_factor));
+      return;
+    }
     if (base != 0 || result_.verdict.word == "numerics" || result_.verdict.word == "unknown" || best.second_order == result_.models.front().fit.layout.numerics.second_order) return;
     result_.notes.push_back(fmt::format("The recordings bear the step of an engine: beside what is missing they are fitted best when stepped as the scene says, at {:.2g} of its "
                                         "step, and so is the extended scene.", best.step_factor));

@@ -29,6 +29,7 @@ struct DiagnoseOptions {
   int bootstrap = 0;        ///< recordings that are simulated from the nominal fit and diagnosed anew, for its lack of fit
   int joint_fits = 6;       ///< candidates of the screening that are fitted jointly
   std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
+  std::vector<std::string> other_backends;  ///< that may have made the recordings: known to `simulate` by these names
   SimulationStore* store = nullptr;  ///< none: every simulation is run anew
   std::function<void(const std::string& stage, double done, double total)> progress;
   std::function<bool()> interrupted;

@@ -318,6 +318,7 @@ History Problem::history(const Layout& layout, std::size_t run, const Values& sh
   const Scene made = read_scene(scene(layout, run, shared, own), bundle_.scene_file.string(), bundle_.scene_file.parent_path());
   SimulationRequest request;
   request.scene = &made;
+  request.backend = layout.numerics.backend;
   request.contacts = true;
   request.until = std::max(runs_[run].horizon, 2 * made.solver.time_step);
   return simulate_(request);
@@ -344,6 +345,7 @@ Eigen::VectorXd Problem::plain_residual(const Layout& layout, std::size_t run, c
   for (const WindowLoad& load : loads)
     key += fmt::format("|{} {} {} {} {} {} {} {} {}", load.body, load.from, load.to, load.force.x(), load.force.y(), load.force.z(),
                        load.torque.x(), load.torque.y(), load.torque.z());
+  if (!layout.numerics.backend.empty()) key += "|" + layout.numerics.backend;
   const std::uint64_t hash = checksum(key);
   std::optional<Eigen::VectorXd> d = store_->find(hash);
   if (!d) {
@@ -353,6 +355,7 @@ Eigen::VectorXd Problem::plain_residual(const Layout& layout, std::size_t run, c
       const Scene made = read_scene(std::move(tree), bundle_.scene_file.string(), bundle_.scene_file.parent_path());
       SimulationRequest request;
       request.scene = &made;
+      request.backend = layout.numerics.backend;
       request.loads = loads;
       request.until = std::max(m.true_time(data.horizon) + 2 * made.solver.time_step, 4 * made.solver.time_step);
       d = difference(simulate_(request), *data.run, data.channels, m);

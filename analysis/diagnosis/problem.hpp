@@ -40,6 +40,7 @@ struct Numerics {
   double tolerance_factor = 1;
   bool other_law = false;       ///< the relaxed contact law where the scene has the exact one, and the other way round
   bool second_order = false;    ///< Integration::second_order, whatever the scene says
+  std::string backend;          ///< that solves it, by its name; empty: the diagnosis's own
 };
 
 /// A hypothesis with its parameters laid out.

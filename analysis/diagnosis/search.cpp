@@ -75,7 +75,7 @@ void Search::run() {
     const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
     if (!stopped() && !numerics_suffice) fit_singles();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_stated();
-    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_step_of_maker();
+    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_as_made();
     if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
     if (!stopped() && base_ != 0) fit_without_numerics();
     if (!stopped()) fit_parts_of_pairs();
@@ -264,21 +264,31 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::foresee_pairs(const std
   return best;
 }
 
-/// All that the best singles leave may be the step of an engine that made the recordings, too small beside the physics to be seen before: these
-/// once more, stepped as the scene says and at a quarter of that. A second effect would only imitate it. Where something is left all the same,
-/// the step is no answer, and nothing changes.
-void Search::fit_step_of_maker() {
-  if (!fits_.front().layout.numerics.second_order) return;
+/// As the scene says and at a quarter of that, solved by one backend (empty: the own one) of first order.
+std::vector<Numerics> Search::steps_of(const std::string& backend) {
+  std::vector<Numerics> steps(2);
+  steps[0].step_factor = step_of_makers;
+  for (Numerics& step : steps) step.backend = backend;
+  return steps;
+}
+
+/// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
+/// step, or its impacts. These once more as such engines solve them. A second effect would only imitate it. Where something is left all the
+/// same, the engine is no answer, and nothing changes.
+void Search::fit_as_made() {
   const std::vector<std::size_t> order = singles_by_worth();
   if (order.empty() || left_by(order.front()).p > level) return;
+  std::vector<Numerics> ways;
+  if (fits_.front().layout.numerics.second_order) ways = steps_of("");
+  for (const std::string& backend : options_.other_backends)
+    for (Numerics& way : steps_of(backend)) ways.push_back(std::move(way));
   for (std::size_t i = 0; i < std::min(solved_again, order.size()); ++i)
-    for (const double step : {0.25, 1.0}) {
+    for (const Numerics& way : ways) {
       if (stopped()) return;
       Fit& fit = fits_[order[i]];
-      tell(fit.layout.hypothesis.label() + " with another step", static_cast<double>(i), static_cast<double>(solved_again));
+      tell(fit.layout.hypothesis.label() + " as engines solve it", static_cast<double>(i), static_cast<double>(solved_again));
       Fit start = fit;
-      start.layout.numerics = {};
-      start.layout.numerics.step_factor = step;
+      start.layout.numerics = way;
       Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2);
       if (!(again.chi2 < fit.chi2 - gain_of_numerics)) continue;
       LackOfFit left = judge(again);
@@ -361,7 +371,7 @@ void Search::fit_parts_of_pairs() {
     }
 }
 
-/// Does the mismatch go away with another step, with a tenth of the tolerance, or with the other contact law?
+/// Does the mismatch go away with another step, with a tenth of the tolerance, with the other contact law, or in another engine?
 void Search::fit_numerics() {
   const Numerics own = fits_.front().layout.numerics;
   const auto varied = [&](const auto& change) {
@@ -370,15 +380,15 @@ void Search::fit_numerics() {
     return numerics;
   };
   std::vector<Numerics> steps{varied([](Numerics& n) { n.step_factor = 0.25; })};
-  // Recordings that were simulated bear the step of their maker, whatever engine it was: one that is stepped as the scene says.
-  if (own.second_order) {
-    steps.push_back({});
-    steps.push_back({});
-    steps.back().step_factor = 0.25;
-  }
+  // Recordings that were simulated bear the step of their maker: one that is stepped as the scene says.
+  if (own.second_order)
+    for (Numerics& way : steps_of("")) steps.push_back(std::move(way));
   fit_numerics("time_step", steps);
   fit_numerics("solver_tolerance", {varied([](Numerics& n) { n.tolerance_factor = 0.1; })});
-  fit_numerics("engine_law", {varied([](Numerics& n) { n.other_law = true; })});
+  std::vector<Numerics> laws{varied([](Numerics& n) { n.other_law = true; })};
+  for (const std::string& backend : options_.other_backends)
+    for (Numerics& way : steps_of(backend)) laws.push_back(std::move(way));
+  fit_numerics("engine_law", laws);
 }
 
 void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
@@ -388,24 +398,26 @@ void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
   best.chi2 = std::numeric_limits<double>::infinity();
   for (const Numerics& numerics : ways) {
     if (stopped()) return;
+    const double wanted = std::min(best.chi2, fits_.front().chi2);
     tell("another way to solve it", 0, 1);
     Fit fit = fits_.front();
     fit.layout.hypothesis = hypothesis;
     fit.layout.numerics = numerics;
-    if (fit = improved(fit); fit.chi2 < best.chi2) best = std::move(fit);
+    // An engine that lacks something of the scene gives no finite chi^2.
+    if (fit = improved_if_promising(evaluated(problem_, std::move(fit)), wanted); fit.chi2 < best.chi2) best = std::move(fit);
   }
   keep(std::move(best));
 }
 
-/// The finer solution becomes the base where it removes more than a little of what the nominal leaves. Another contact law is no
-/// finer solution: it stays a rival of the candidates.
+/// The finer solution becomes the base where it removes more than a little of what the nominal leaves. Another contact law or engine
+/// is no finer solution: it stays a rival of the candidates.
 void Search::choose_base() {
   base_ = 0;
   const Fit& nominal = fits_.front();
   double least = std::max(gain_of_numerics, share_of_numerics * excess(nominal));
   for (std::size_t m = 1; m < fits_.size(); ++m) {
     const Hypothesis& h = fits_[m].layout.hypothesis;
-    if (h.terms.size() != 1 || !without_numerics(h).terms.empty() || fits_[m].layout.numerics.other_law) continue;
+    if (h.terms.size() != 1 || !without_numerics(h).terms.empty() || fits_[m].layout.numerics.other_law || !fits_[m].layout.numerics.backend.empty()) continue;
     if (nominal.chi2 - fits_[m].chi2 < least) continue;
     least = nominal.chi2 - fits_[m].chi2;
     base_ = m;

@@ -19,6 +19,7 @@ struct SearchOptions {
   int joint_fits = 6;       ///< candidates of the screening that are fitted to the end
   int located_runs = 4;
   std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
+  std::vector<std::string> other_backends;  ///< that may have made the recordings
   std::function<void(const std::string& stage, double done, double total)> progress;
   std::function<bool()> interrupted;
 };
@@ -70,7 +71,8 @@ class Search {
   bool wanted(const Term& term) const;
   void fit_singles();
   void fit_stated();
-  void fit_step_of_maker();
+  static std::vector<Numerics> steps_of(const std::string& backend);
+  void fit_as_made();
   std::vector<std::size_t> singles_by_worth() const;
   void fit_pairs();
   void fit_parts_of_pairs();

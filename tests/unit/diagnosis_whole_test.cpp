@@ -158,6 +158,45 @@ TEST(Diagnosis, BlamesTheContactLawWhereTheOtherOneExplains) {
   EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
 }
 
+/// Two engines: the other one pushes each flight in a way of its own, which no effect of the library imitates.
+History fly_in_either(const SimulationRequest& request) {
+  SimulationRequest pushed = request;
+  const double from = 0.1 + 0.05 * std::round(request.scene->bodies[0].velocity.z());
+  if (request.backend == "other") pushed.loads.push_back({"ball", from, from + 0.08, 0.003 * Vec3(std::cos(9 * from), std::sin(9 * from), 0), Vec3::Zero()});
+  return fly(pushed);
+}
+
+Bundle recorded_by_the_other(const Flights& flights) {
+  const auto other = [](const SimulationRequest& request) {
+    SimulationRequest there = request;
+    there.backend = "other";
+    return fly_in_either(there);
+  };
+  return recorded_by(other, flights, [](SolverOptions&) {});
+}
+
+TEST(Diagnosis, BlamesTheEngineThatMadeTheRecordings) {
+  DiagnoseOptions options = quick();
+  options.other_backends = {"other"};
+  const Diagnosis d = diagnose(recorded_by_the_other(six(8, "{}")), fly_in_either, options);
+  EXPECT_EQ(d.verdict.word, "numerics");
+  EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"engine_law"});
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
+  EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.find("--backend other") != std::string::npos; }));
+}
+
+TEST(Diagnosis, TakesTheWaysOfAnEngineForNoSecondEffect) {
+  DiagnoseOptions options = quick();
+  const Bundle bundle = recorded_by_the_other(six(8, drag));
+  const Diagnosis without = diagnose(bundle, fly_in_either, options);
+  EXPECT_GT(without.models[without.best].held_out.chi2_per_dof, 1.5);  // else the engine's ways would not have mattered
+  options.other_backends = {"other"};
+  const Diagnosis d = diagnose(bundle, fly_in_either, options);
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"quadratic_drag"});
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5);
+}
+
 TEST(Diagnosis, NamesPhysicsAloneWhereTheStepIsTooCoarseAsWell) {
   // An engine whose error is a kick in proportion to its step; the recorded world has a quarter of the step, and drag.
   const auto engine = [](const SimulationRequest& request) {

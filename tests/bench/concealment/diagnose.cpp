@@ -70,6 +70,7 @@ int diagnose_all(const std::filesystem::path& folder, int workers, bool oracle, 
       [&](const Job& job) {
         diagnosis::DiagnoseOptions options;
         options.interrupted = interrupted;
+        options.other_backends = backends_beside(find_backend("dvi"));
         if (oracle) options.candidates = true_names(truth.at(job.key));
         return diagnosed(folder / "cases" / job.key, options);
       },
