@@ -251,6 +251,7 @@ class Diagnosing {
       e.form_parameters = m.form_parameters;
       e.stated = stated_in(m.hypothesis);
       e.explained = explained_by(i, search.base());
+      e.other_engine = !m.fit.layout.numerics.backend.empty() && std::any_of(e.sites.begin(), e.sites.end(), [](EffectSite s) { return s != EffectSite::numerics; });
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
     }

@@ -297,12 +297,13 @@ Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<s
 
 Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options) {
   Fit better = fit;
+  const double stuck = fit.layout.numerics.backend.empty() ? far_off : 0;
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     const std::size_t run = fit.runs[i];
     if (std::find(runs.begin(), runs.end(), run) == runs.end() || (options.interrupted && options.interrupted())) continue;
     const std::vector<Parameter>& start = problem.runs()[run].start;
     double least = fit.residual[i].size() == 0 ? std::numeric_limits<double>::infinity() : fit.residual[i].squaredNorm();
-    if (start.empty() || least < far_off * static_cast<double>(fit.residual[i].size())) continue;
+    if (start.empty() || least < stuck * static_cast<double>(fit.residual[i].size())) continue;
     for (const bool as_told : {false, true}) {
       Fit one = fit;
       one.runs = {run};

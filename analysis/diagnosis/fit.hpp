@@ -45,7 +45,8 @@ Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options
 Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options);
 
 /// Those of `runs` that are off by more than 5 sigma may be stuck, behind an impact that their first start values miss: they are begun anew from the start
-/// values as read off the data and as the scene has them, fitted to a growing part of the record. Shared parameters stay. Never worse than `fit`.
+/// values as read off the data and as the scene has them, fitted to a growing part of the record. So is every run that another backend solves: engines
+/// that see a contact only when bodies overlap make the path jump with the step in which they hit. Shared parameters stay. Never worse than `fit`.
 Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options);
 
 /// Derivatives of the residuals of one run at the fit; 0 where a simulation on either side fails or a bound is in the way.

@@ -274,10 +274,12 @@ std::vector<Numerics> Search::steps_of(const std::string& backend) {
 
 /// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
 /// step, or its impacts. These once more as such engines solve them. A second effect would only imitate it. Where something is left all the
-/// same, the engine is no answer, and nothing changes.
+/// same, the engine is no answer, and nothing changes; where the engine alone leaves nothing, there is no physics to look for.
 void Search::fit_as_made() {
   const std::vector<std::size_t> order = singles_by_worth();
   if (order.empty() || left_by(order.front()).p > level) return;
+  for (std::size_t m = 1; m < fits_.size(); ++m)
+    if (without_numerics(fits_[m].layout.hypothesis).terms.empty() && left_by(m).p > level) return;
   std::vector<Numerics> ways;
   if (fits_.front().layout.numerics.second_order) ways = steps_of("");
   for (const std::string& backend : options_.other_backends)
@@ -289,7 +291,7 @@ void Search::fit_as_made() {
       tell(fit.layout.hypothesis.label() + " as engines solve it", static_cast<double>(i), static_cast<double>(solved_again));
       Fit start = fit;
       start.layout.numerics = way;
-      Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2);
+      Fit again = solved_by(start, fit.chi2);
       if (!(again.chi2 < fit.chi2 - gain_of_numerics)) continue;
       LackOfFit left = judge(again);
       if (left.p <= level) continue;
@@ -371,6 +373,13 @@ void Search::fit_parts_of_pairs() {
     }
 }
 
+/// A fit begun with other numerics than it had.
+Fit Search::solved_by(const Fit& start, double wanted) const {
+  Fit fit = improved_if_promising(evaluated(problem_, start), wanted);
+  if (start.layout.numerics.backend.empty() || !(fit.chi2 < promising * wanted)) return fit;
+  return improved(begun_anew(problem_, fit, train_, fit_options_));
+}
+
 /// Does the mismatch go away with another step, with a tenth of the tolerance, with the other contact law, or in another engine?
 void Search::fit_numerics() {
   const Numerics own = fits_.front().layout.numerics;
@@ -404,7 +413,7 @@ void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
     fit.layout.hypothesis = hypothesis;
     fit.layout.numerics = numerics;
     // An engine that lacks something of the scene gives no finite chi^2.
-    if (fit = improved_if_promising(evaluated(problem_, std::move(fit)), wanted); fit.chi2 < best.chi2) best = std::move(fit);
+    if (fit = solved_by(fit, wanted); fit.chi2 < best.chi2) best = std::move(fit);
   }
   keep(std::move(best));
 }

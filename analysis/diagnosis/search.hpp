@@ -64,6 +64,7 @@ class Search {
   std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms);
   Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;
   Fit improved(const Fit& fit) const;
+  Fit solved_by(const Fit& start, double wanted) const;
   Fit improved_if_promising(const Fit& start, double wanted) const;
   void keep(Fit fit);
   bool known(const Hypothesis& hypothesis) const;
