@@ -45,6 +45,7 @@ struct Coordinates {
 
 constexpr double nudge = 0.1;  // in units of Coordinates
 constexpr double far_off = 25;        // chi^2 per sample of a run that may be stuck: 5 sigma
+constexpr int shaken_fit = 3;         // iterations that tell how deep a neighbouring basin is
 constexpr double first_radius = 100;  // of Ceres' 1e4: contacts bend the residuals, and each step that is taken back is one of few
 
 class RunCost final : public ceres::CostFunction {
@@ -297,7 +298,7 @@ Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<s
 
 Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options) {
   Fit better = fit;
-  const double stuck = fit.layout.numerics.backend.empty() ? far_off : 0;
+  const double stuck = fit.layout.numerics.second_order ? far_off : 0;
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     const std::size_t run = fit.runs[i];
     if (std::find(runs.begin(), runs.end(), run) == runs.end() || (options.interrupted && options.interrupted())) continue;
@@ -317,6 +318,31 @@ Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::si
   }
   evaluate(problem, better);
   return better.chi2 < fit.chi2 ? better : fit;
+}
+
+Fit shaken(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options) {
+  Fit better = fit;
+  FitOptions alone = options, brief = options;
+  alone.threads = brief.threads = 1;
+  brief.iterations = shaken_fit;
+  side_by_side(runs.size(), options.threads, [&](std::size_t n) {
+    const std::size_t run = runs[n];
+    Fit begin = fit;
+    begin.runs = {run};
+    begin = evaluated(problem, begin);
+    Fit best = begin;
+    const std::vector<Parameter>& own = problem.runs()[run].start;
+    for (std::size_t i = 0; i < own.size(); ++i)
+      for (const double distance : {1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.125, -0.125}) {
+        if (options.interrupted && options.interrupted()) return;
+        Fit there = begin;
+        double& value = there.own[run][static_cast<Eigen::Index>(i)];
+        value = std::clamp(value + distance * own[i].step, own[i].lower, own[i].upper);
+        if (there = solve(problem, evaluated(problem, there), brief, true); there.chi2 < best.chi2) best = std::move(there);
+      }
+    if (best.chi2 < begin.chi2) better.own[run] = solve(problem, best, alone, true).own[run];
+  });
+  return evaluated(problem, better);
 }
 
 RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run) {

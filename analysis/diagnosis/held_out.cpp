@@ -28,7 +28,7 @@ std::vector<Fit> held_out_fits(const Problem& problem, const std::vector<const F
   std::vector<Fit> fits;
   for (const Fit* trained : hypotheses) {
     fits.push_back(minimise_own(problem, *trained, runs, options));
-    if (!trained->layout.numerics.backend.empty()) fits.back() = begun_anew(problem, fits.back(), runs, options);
+    if (!trained->layout.numerics.second_order) fits.back() = shaken(problem, begun_anew(problem, fits.back(), runs, options), runs, options);
     told(fits.size());
   }
   std::vector<bool> moved(fits.size(), false);

@@ -83,6 +83,11 @@ std::string Hypothesis::label() const {
   return text.empty() ? "nominal" : text;
 }
 
+Hypothesis without_numerics(Hypothesis hypothesis) {
+  std::erase_if(hypothesis.terms, [](const Term& term) { return term.row->site == EffectSite::numerics; });
+  return hypothesis;
+}
+
 int stated_in(const Hypothesis& hypothesis) {
   return static_cast<int>(std::count_if(hypothesis.terms.begin(), hypothesis.terms.end(), [](const Term& term) { return !term.stated.empty(); }));
 }

@@ -25,6 +25,9 @@ struct Hypothesis {
   std::string label() const;  ///< "rolling_friction (ball-floor) + time_offset"; "nominal"
 };
 
+/// What is solved more finely is no effect of the world: hypotheses that extend it name only their own.
+Hypothesis without_numerics(Hypothesis hypothesis);
+
 /// Terms that contradict the scene instead of adding to it.
 int stated_in(const Hypothesis& hypothesis);
 

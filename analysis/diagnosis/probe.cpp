@@ -1,6 +1,7 @@
 #include "analysis/diagnosis/probe.hpp"
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
 
@@ -39,6 +40,10 @@ double deviate(double gain, Eigen::Index k) {
   if (k == 0) return -std::numeric_limits<double>::infinity();
   const double n = static_cast<double>(k), width = 2 / (9 * n);
   return (std::cbrt(gain / n) - 1 + width) / std::sqrt(width);
+}
+
+double p_of_chi2(double chi2, Eigen::Index degrees) {
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(degrees)), chi2));
 }
 
 double NullDistribution::p(double deviate) const {

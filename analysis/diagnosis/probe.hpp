@@ -21,6 +21,9 @@ double gain_of(const Probe& probe, const Eigen::VectorXd& residual);
 ///   z = ((gain / k)^(1/3) - 1 + 2 / (9 k)) / sqrt(2 / (9 k));    no probe: -infinity
 double deviate(double gain, Eigen::Index k);
 
+/// Share of pure noise of so many degrees of freedom that reaches chi^2.
+double p_of_chi2(double chi2, Eigen::Index degrees);
+
 /// Largest deviates of draws of pure noise e ~ N(0, I) over a set of probes.
 struct NullDistribution {
   std::vector<double> largest;  ///< ascending

@@ -15,21 +15,11 @@ namespace {
 constexpr int profile_points = 10;
 constexpr int short_fit = 4;              // iterations that tell which candidates deserve more
 constexpr std::size_t stated_fits = 2;    // constants of the scene that are fitted to the end
-constexpr std::size_t solved_again = 4;   // hypotheses that were found beside other numerics
 constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
-constexpr double promising = 1.2;         // times the chi^2 to beat, after a short fit
-constexpr double gains_to_matter = 1e-3;  // of chi^2, absolute: below it two fits are the same
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3, pairs_foreseen = 6;
 constexpr std::size_t pairs_parted = 3;
 constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
-constexpr double coarse_scene = 3;        // of the noise, rms: a step that errs by less is none that anyone would blame
-constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
-
-double worth(const Fit& fit) { return fit.chi2 + 2 * fit.parameters; }
-
-/// Of chi^2 beyond what noise alone gives.
-double excess(const Fit& fit) { return fit.chi2 - static_cast<double>(fit.samples - fit.parameters); }
 
 bool holds(const Hypothesis& hypothesis, const Term& term) {
   return std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return t.row == term.row && t.place == term.place; });
@@ -40,12 +30,6 @@ bool same_as_one_of(const std::vector<Fit>& fits, const Hypothesis& hypothesis) 
     return fit.layout.hypothesis.terms.size() == hypothesis.terms.size() &&
            std::all_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return holds(fit.layout.hypothesis, t); });
   });
-}
-
-/// What is solved more finely is no effect of the world: hypotheses that extend it name only their own.
-Hypothesis without_numerics(Hypothesis hypothesis) {
-  std::erase_if(hypothesis.terms, [](const Term& term) { return term.row->site == EffectSite::numerics; });
-  return hypothesis;
 }
 
 }  // namespace
@@ -62,7 +46,7 @@ void Search::run_nominal() {
 }
 
 std::size_t Search::best() const {
-  return static_cast<std::size_t>(std::min_element(fits_.begin(), fits_.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); }) -
+  return static_cast<std::size_t>(std::min_element(fits_.begin(), fits_.end(), [](const Fit& a, const Fit& b) { return a.worth() < b.worth(); }) -
                                   fits_.begin());
 }
 
@@ -74,9 +58,10 @@ void Search::run() {
     choose_base();
     const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
     if (!stopped() && !numerics_suffice) fit_singles();
-    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_stated();
-    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_as_made();
-    if (!stopped() && !numerics_suffice && lack_.p <= level) fit_pairs();
+    const bool look_further = !numerics_suffice && lack_.p <= level && !stopped() && !engine_suffices();
+    if (!stopped() && look_further) fit_stated();
+    if (!stopped() && look_further) fit_as_made();
+    if (!stopped() && look_further) fit_pairs();
     if (!stopped() && base_ != 0) fit_without_numerics();
     if (!stopped()) fit_parts_of_pairs();
     if (stopped() || !guard()) return;
@@ -112,21 +97,6 @@ void Search::calibrate() {
   compare_as_given();
 }
 
-/// Where the scene's own way to solve it is wrong by more than a small multiple of the noise, and that is the larger part of the
-/// mismatch, the nominal is the scene as given, and what it is measured against, as `time_step`, the scene in second order.
-void Search::compare_as_given() {
-  if (!problem_.numerics().second_order || stopped()) return;
-  Fit given = fits_.front();
-  given.layout.numerics = {};
-  given = improved(given);
-  if (!std::isfinite(given.chi2)) return;
-  const double gain = given.chi2 - fits_.front().chi2;
-  if (gain < coarse_scene * coarse_scene * static_cast<double>(given.samples) || gain < 0.5 * excess(given)) return;
-  Fit finer = std::move(fits_.front());
-  finer.layout.hypothesis.terms = {{find_effect("time_step"), ""}};
-  fits_ = {std::move(given), std::move(finer)};
-}
-
 bool Search::wanted(const Term& term) const {
   const std::vector<std::string>& only = options_.candidates;
   return only.empty() || std::find(only.begin(), only.end(), term.row->name) != only.end();
@@ -147,6 +117,8 @@ LackOfFit Search::judge(const Fit& fit) {
   const double p_where = lack.places.pieces.empty() ? 1 : lack.places.pieces.front().p;
   for (const Located& l : lack.places.pieces) lack.deviate = std::max(lack.deviate, l.deviate);
   lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));
+  // Where the path jumps with the step, slopes tell nothing of what is left, but its size does.
+  if (!fit.layout.numerics.backend.empty()) lack.p = p_of_chi2(fit.chi2, std::max<Eigen::Index>(1, fit.samples - fit.parameters));
   return lack;
 }
 
@@ -197,7 +169,10 @@ Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms,
 /// To the end together, and then each run by itself: one that is stuck behind an impact holds the others back no longer.
 Fit Search::improved(const Fit& fit) const { return minimise_own(problem_, minimise(problem_, fit, fit_options_), train_, fit_options_); }
 
-bool Search::known(const Hypothesis& hypothesis) const { return same_as_one_of(fits_, hypothesis); }
+Fit* Search::find(const Hypothesis& hypothesis) {
+  const auto found = std::find_if(fits_.begin(), fits_.end(), [&](const Fit& fit) { return same_as_one_of({fit}, hypothesis); });
+  return found == fits_.end() ? nullptr : &*found;
+}
 
 void Search::keep(Fit fit) {
   if (std::isfinite(fit.chi2)) fits_.push_back(std::move(fit));
@@ -208,13 +183,13 @@ void Search::fit_singles() {
   const Fit nominal = fits_[base_];
   std::vector<const Screened*> chosen;
   for (const Screened& s : left_by(base_).screened)
-    if (!s.probes.empty() && !known({{s.term}}) && chosen.size() < 2 * static_cast<std::size_t>(options_.joint_fits)) chosen.push_back(&s);
+    if (!s.probes.empty() && !find({{s.term}}) && chosen.size() < 2 * static_cast<std::size_t>(options_.joint_fits)) chosen.push_back(&s);
   std::vector<Fit> begun;
   for (std::size_t i = 0; i < chosen.size() && !stopped(); ++i) {
     tell("trying " + chosen[i]->term.row->name, static_cast<double>(i), static_cast<double>(chosen.size()));
     begun.push_back(extended(nominal, {chosen[i]}, short_fit));
   }
-  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return a.worth() < b.worth(); });
   if (begun.size() > static_cast<std::size_t>(options_.joint_fits)) begun.resize(static_cast<std::size_t>(options_.joint_fits));
   for (std::size_t i = 0; i < begun.size() && !stopped(); ++i) {
     tell("fitting " + begun[i].layout.hypothesis.label(), static_cast<double>(i), static_cast<double>(begun.size()));
@@ -226,7 +201,7 @@ void Search::fit_singles() {
 void Search::fit_stated() {
   const Fit base = fits_[base_];
   std::vector<Term> terms = stated_terms(problem_.bundle(), problem_.scale());
-  std::erase_if(terms, [&](const Term& term) { return !wanted(term) || known({{term}}); });
+  std::erase_if(terms, [&](const Term& term) { return !wanted(term) || find({{term}}); });
   if (terms.empty()) return;
   std::vector<Fit> begun;
   for (const Screened& s : screen_about(base, Nuisance(problem_, base), terms)) {
@@ -234,7 +209,7 @@ void Search::fit_stated() {
     tell("trying another value of " + s.term.row->name, static_cast<double>(begun.size()), static_cast<double>(terms.size()));
     begun.push_back(extended(base, {&s}, short_fit));
   }
-  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return a.worth() < b.worth(); });
   for (std::size_t i = 0; i < std::min<std::size_t>(stated_fits, begun.size()) && !stopped(); ++i) keep(improved(begun[i]));
 }
 
@@ -264,47 +239,11 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::foresee_pairs(const std
   return best;
 }
 
-/// As the scene says and at a quarter of that, solved by one backend (empty: the own one) of first order.
-std::vector<Numerics> Search::steps_of(const std::string& backend) {
-  std::vector<Numerics> steps(2);
-  steps[0].step_factor = step_of_makers;
-  for (Numerics& step : steps) step.backend = backend;
-  return steps;
-}
-
-/// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
-/// step, or its impacts. These once more as such engines solve them. A second effect would only imitate it. Where something is left all the
-/// same, the engine is no answer, and nothing changes; where the engine alone leaves nothing, there is no physics to look for.
-void Search::fit_as_made() {
-  const std::vector<std::size_t> order = singles_by_worth();
-  if (order.empty() || left_by(order.front()).p > level) return;
-  for (std::size_t m = 1; m < fits_.size(); ++m)
-    if (without_numerics(fits_[m].layout.hypothesis).terms.empty() && left_by(m).p > level) return;
-  std::vector<Numerics> ways;
-  if (fits_.front().layout.numerics.second_order) ways = steps_of("");
-  for (const std::string& backend : options_.other_backends)
-    for (Numerics& way : steps_of(backend)) ways.push_back(std::move(way));
-  for (std::size_t i = 0; i < std::min(solved_again, order.size()); ++i)
-    for (const Numerics& way : ways) {
-      if (stopped()) return;
-      Fit& fit = fits_[order[i]];
-      tell(fit.layout.hypothesis.label() + " as engines solve it", static_cast<double>(i), static_cast<double>(solved_again));
-      Fit start = fit;
-      start.layout.numerics = way;
-      Fit again = solved_by(start, fit.chi2);
-      if (!(again.chi2 < fit.chi2 - gain_of_numerics)) continue;
-      LackOfFit left = judge(again);
-      if (left.p <= level) continue;
-      fit = std::move(again);
-      left_.insert_or_assign(fit.layout.hypothesis.label(), std::move(left));
-    }
-}
-
 std::vector<std::size_t> Search::singles_by_worth() const {
   std::vector<std::size_t> order;
   for (std::size_t i = 1; i < fits_.size(); ++i)
     if (without_numerics(fits_[i].layout.hypothesis).terms.size() == 1) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth(fits_[a]) < worth(fits_[b]); });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return fits_[a].worth() < fits_[b].worth(); });
   return order;
 }
 
@@ -316,7 +255,7 @@ void Search::fit_pairs() {
   const auto try_pair = [&](const Fit& base, const std::vector<const Screened*>& terms) {
     Hypothesis pair = without_numerics(base.layout.hypothesis);
     for (const Screened* s : terms) pair.terms.push_back(s->term);
-    if (same_as_one_of(begun, pair) || known(pair) || stopped()) return;
+    if (same_as_one_of(begun, pair) || find(pair) || stopped()) return;
     tell("trying " + pair.label(), static_cast<double>(begun.size()), static_cast<double>((bases_of_pairs + 1) * pairs_each + pairs_foreseen));
     begun.push_back(extended(base, terms, short_fit));
   };
@@ -339,9 +278,9 @@ void Search::fit_pairs() {
   const std::vector<ScreenedPair> together = screen_pairs(screened, nuisance.residual(), pair_gain);
   for (std::size_t i = 0; i < std::min(pairs_each, together.size()); ++i)
     try_pair(fits_[base_], {&screened[together[i].first], &screened[together[i].second]});
-  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  std::stable_sort(begun.begin(), begun.end(), [](const Fit& a, const Fit& b) { return a.worth() < b.worth(); });
   for (std::size_t i = 0; i < std::min<std::size_t>(4, begun.size()) && !stopped(); ++i)
-    if (!known(begun[i].layout.hypothesis)) keep(improved(begun[i]));
+    if (!find(begun[i].layout.hypothesis)) keep(improved(begun[i]));
 }
 
 /// Each effect of the best pairs alone, begun where the pair ended: what the other one was needed for may only have been the way there.
@@ -353,84 +292,24 @@ void Search::fit_parts_of_pairs() {
     if (terms == 1) best_single = std::min(best_single, fit.chi2);
     if (terms == 2) pairs.push_back(fit);
   }
-  std::stable_sort(pairs.begin(), pairs.end(), [](const Fit& a, const Fit& b) { return worth(a) < worth(b); });
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Fit& a, const Fit& b) { return a.worth() < b.worth(); });
   for (std::size_t i = 0; i < std::min(pairs_parted, pairs.size()); ++i)
     for (const Term& term : pairs[i].layout.hypothesis.terms) {
       if (stopped()) return;
       const Hypothesis alone{{term}};
-      const auto known = std::find_if(fits_.begin(), fits_.end(), [&](const Fit& fit) { return same_as_one_of({fit}, alone); });
-      const double wanted = known == fits_.end() ? best_single : known->chi2;
+      Fit* const known = find(alone);
+      const double wanted = known == nullptr ? best_single : known->chi2;
       tell(alone.label() + " from where " + pairs[i].layout.hypothesis.label() + " ended", static_cast<double>(i), static_cast<double>(pairs_parted));
       Layout layout = problem_.layout(alone);
       layout.numerics = pairs[i].layout.numerics;
       Fit again = improved_if_promising(evaluated(problem_, begun_within(problem_, layout, pairs[i])), wanted);
       if (!(again.chi2 < wanted - gains_to_matter)) continue;
       left_.erase(alone.label());  // what the fit before it left is no longer so
-      if (known == fits_.end())
+      if (known == nullptr)
         keep(std::move(again));
       else
         *known = std::move(again);
     }
-}
-
-/// A fit begun with other numerics than it had.
-Fit Search::solved_by(const Fit& start, double wanted) const {
-  Fit fit = improved_if_promising(evaluated(problem_, start), wanted);
-  if (start.layout.numerics.backend.empty() || !(fit.chi2 < promising * wanted)) return fit;
-  return improved(begun_anew(problem_, fit, train_, fit_options_));
-}
-
-/// Does the mismatch go away with another step, with a tenth of the tolerance, with the other contact law, or in another engine?
-void Search::fit_numerics() {
-  const Numerics own = fits_.front().layout.numerics;
-  const auto varied = [&](const auto& change) {
-    Numerics numerics = own;
-    change(numerics);
-    return numerics;
-  };
-  std::vector<Numerics> steps{varied([](Numerics& n) { n.step_factor = 0.25; })};
-  // Recordings that were simulated bear the step of their maker: one that is stepped as the scene says.
-  if (own.second_order)
-    for (Numerics& way : steps_of("")) steps.push_back(std::move(way));
-  fit_numerics("time_step", steps);
-  fit_numerics("solver_tolerance", {varied([](Numerics& n) { n.tolerance_factor = 0.1; })});
-  std::vector<Numerics> laws{varied([](Numerics& n) { n.other_law = true; })};
-  for (const std::string& backend : options_.other_backends)
-    for (Numerics& way : steps_of(backend)) laws.push_back(std::move(way));
-  fit_numerics("engine_law", laws);
-}
-
-void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
-  Hypothesis hypothesis{{{find_effect(name), ""}}};
-  if (known(hypothesis)) return;
-  Fit best;
-  best.chi2 = std::numeric_limits<double>::infinity();
-  for (const Numerics& numerics : ways) {
-    if (stopped()) return;
-    const double wanted = std::min(best.chi2, fits_.front().chi2);
-    tell("another way to solve it", 0, 1);
-    Fit fit = fits_.front();
-    fit.layout.hypothesis = hypothesis;
-    fit.layout.numerics = numerics;
-    // An engine that lacks something of the scene gives no finite chi^2.
-    if (fit = solved_by(fit, wanted); fit.chi2 < best.chi2) best = std::move(fit);
-  }
-  keep(std::move(best));
-}
-
-/// The finer solution becomes the base where it removes more than a little of what the nominal leaves. Another contact law or engine
-/// is no finer solution: it stays a rival of the candidates.
-void Search::choose_base() {
-  base_ = 0;
-  const Fit& nominal = fits_.front();
-  double least = std::max(gain_of_numerics, share_of_numerics * excess(nominal));
-  for (std::size_t m = 1; m < fits_.size(); ++m) {
-    const Hypothesis& h = fits_[m].layout.hypothesis;
-    if (h.terms.size() != 1 || !without_numerics(h).terms.empty() || fits_[m].layout.numerics.other_law || !fits_[m].layout.numerics.backend.empty()) continue;
-    if (nominal.chi2 - fits_[m].chi2 < least) continue;
-    least = nominal.chi2 - fits_[m].chi2;
-    base_ = m;
-  }
 }
 
 /// A short fit, and to the end only what thereby comes below `wanted`, or close to it.
@@ -439,25 +318,6 @@ Fit Search::improved_if_promising(const Fit& start, double wanted) const {
   options.iterations = short_fit;
   Fit begun = minimise(problem_, start, options);
   return begun.chi2 < promising * wanted ? improved(begun) : begun;
-}
-
-/// Physics that was found beside other numerics may not need them: the best hypotheses once more as the nominal is solved.
-void Search::fit_without_numerics() {
-  const Numerics own = fits_.front().layout.numerics;
-  std::vector<std::size_t> order;
-  for (std::size_t m = 1; m < fits_.size(); ++m)
-    if (m != base_ && !without_numerics(fits_[m].layout.hypothesis).terms.empty()) order.push_back(m);
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth(fits_[a]) < worth(fits_[b]); });
-  for (std::size_t i = 0; i < std::min(solved_again, order.size()) && !stopped(); ++i) {
-    Fit& fit = fits_[order[i]];
-    tell("the best as the scene is solved", static_cast<double>(i), static_cast<double>(solved_again));
-    Fit start = fit;
-    start.layout.numerics = own;
-    Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2);
-    if (again.chi2 >= fit.chi2) continue;
-    fit = std::move(again);
-    left_.erase(fit.layout.hypothesis.label());  // what the fit before it left is no longer so
-  }
 }
 
 /// Step 3, the other way: the nominal begun where candidates ended, those first that it fits best as they are. If that gains, all

@@ -56,6 +56,8 @@ class Search {
   int nominal_improved() const { return improved_; }      ///< times that the guard found a better nominal fit
 
  private:
+  static constexpr double promising = 1.2;         ///< times the chi^2 to beat, after a short fit
+  static constexpr double gains_to_matter = 1e-3;  ///< of chi^2, absolute: below it two fits are the same
   bool stopped();
   void tell(const std::string& stage, double done, double total) const;
   void calibrate();
@@ -67,12 +69,13 @@ class Search {
   Fit solved_by(const Fit& start, double wanted) const;
   Fit improved_if_promising(const Fit& start, double wanted) const;
   void keep(Fit fit);
-  bool known(const Hypothesis& hypothesis) const;
+  Fit* find(const Hypothesis& hypothesis);  ///< none: nullptr
   void choose_base();
   bool wanted(const Term& term) const;
   void fit_singles();
   void fit_stated();
   static std::vector<Numerics> steps_of(const std::string& backend);
+  bool engine_suffices();
   void fit_as_made();
   std::vector<std::size_t> singles_by_worth() const;
   void fit_pairs();

@@ -1,0 +1,162 @@
+/// The part of the search that asks how the recordings may have been solved: step, tolerance, contact law, engine.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "analysis/diagnosis/search.hpp"
+#include "analysis/diagnosis/verdict.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
+constexpr double coarse_scene = 3;       // of the noise, rms: a step that errs by less is none that anyone would blame
+constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
+
+}  // namespace
+
+/// Where the scene's own way to solve it is wrong by more than a small multiple of the noise, and that is the larger part of the
+/// mismatch, the nominal is the scene as given, and what it is measured against, as `time_step`, the scene in second order.
+void Search::compare_as_given() {
+  if (!problem_.numerics().second_order || stopped()) return;
+  Fit given = fits_.front();
+  given.layout.numerics = {};
+  given = improved(given);
+  if (!std::isfinite(given.chi2)) return;
+  const double gain = given.chi2 - fits_.front().chi2;
+  if (gain < coarse_scene * coarse_scene * static_cast<double>(given.samples) || gain < 0.5 * given.excess()) return;
+  Fit finer = std::move(fits_.front());
+  finer.layout.hypothesis.terms = {{find_effect("time_step"), ""}};
+  fits_ = {std::move(given), std::move(finer)};
+}
+
+/// A fit begun with other numerics than it had.
+Fit Search::solved_by(const Fit& start, double wanted) const {
+  Fit fit = evaluated(problem_, start);
+  if (std::isfinite(fit.chi2)) fit = begun_anew(problem_, fit, train_, fit_options_);
+  fit = improved_if_promising(fit, wanted);
+  if (fit.layout.numerics.second_order || !(fit.chi2 < promising * wanted)) return fit;
+  return improved(shaken(problem_, fit, train_, fit_options_));
+}
+
+/// Does the mismatch go away with another step, with a tenth of the tolerance, with the other contact law, or in another engine?
+void Search::fit_numerics() {
+  const Numerics own = fits_.front().layout.numerics;
+  const auto varied = [&](const auto& change) {
+    Numerics numerics = own;
+    change(numerics);
+    return numerics;
+  };
+  std::vector<Numerics> steps{varied([](Numerics& n) { n.step_factor = 0.25; })};
+  // Recordings that were simulated bear the step of their maker: one that is stepped as the scene says.
+  if (own.second_order)
+    for (Numerics& way : steps_of("")) steps.push_back(std::move(way));
+  fit_numerics("time_step", steps);
+  fit_numerics("solver_tolerance", {varied([](Numerics& n) { n.tolerance_factor = 0.1; })});
+  std::vector<Numerics> laws{varied([](Numerics& n) { n.other_law = true; })};
+  for (const std::string& backend : options_.other_backends)
+    for (Numerics& way : steps_of(backend)) laws.push_back(std::move(way));
+  fit_numerics("engine_law", laws);
+}
+
+void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
+  Hypothesis hypothesis{{{find_effect(name), ""}}};
+  Fit best;
+  best.chi2 = std::numeric_limits<double>::infinity();
+  for (const Numerics& numerics : ways) {
+    if (stopped()) return;
+    const double wanted = std::min(best.chi2, fits_.front().chi2);
+    tell("another way to solve it", 0, 1);
+    Fit fit = fits_.front();
+    fit.layout.hypothesis = hypothesis;
+    fit.layout.numerics = numerics;
+    // An engine that lacks something of the scene gives no finite chi^2.
+    if (fit = solved_by(fit, wanted); fit.chi2 < best.chi2) best = std::move(fit);
+  }
+  Fit* const known = find(hypothesis);
+  if (known == nullptr) return keep(std::move(best));
+  if (!(best.chi2 < known->chi2 - gains_to_matter)) return;
+  left_.erase(hypothesis.label());
+  *known = std::move(best);
+}
+
+/// The finer solution becomes the base where it removes more than a little of what the nominal leaves. Another contact law or engine
+/// is no finer solution: it stays a rival of the candidates.
+void Search::choose_base() {
+  base_ = 0;
+  const Fit& nominal = fits_.front();
+  double least = std::max(gain_of_numerics, share_of_numerics * nominal.excess());
+  for (std::size_t m = 1; m < fits_.size(); ++m) {
+    const Hypothesis& h = fits_[m].layout.hypothesis;
+    if (h.terms.size() != 1 || !without_numerics(h).terms.empty() || fits_[m].layout.numerics.other_law || !fits_[m].layout.numerics.backend.empty()) continue;
+    if (nominal.chi2 - fits_[m].chi2 < least) continue;
+    least = nominal.chi2 - fits_[m].chi2;
+    base_ = m;
+  }
+}
+
+/// As the scene says and at a quarter of that, solved by one backend (empty: the own one) of first order.
+std::vector<Numerics> Search::steps_of(const std::string& backend) {
+  std::vector<Numerics> steps(2);
+  steps[0].step_factor = step_of_makers;
+  for (Numerics& step : steps) step.backend = backend;
+  return steps;
+}
+
+/// Does the engine alone leave nothing?
+bool Search::engine_suffices() {
+  for (std::size_t m = 1; m < fits_.size(); ++m)
+    if (!fits_[m].layout.numerics.backend.empty() && without_numerics(fits_[m].layout.hypothesis).terms.empty() && left_by(m).p > level) return true;
+  return false;
+}
+
+/// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
+/// step, or its impacts. These once more as such engines solve them: a second effect would only imitate it. A way is an answer where it leaves
+/// nothing beside one of them, and then it is the way for all.
+void Search::fit_as_made() {
+  const std::vector<std::size_t> order = singles_by_worth();
+  if (order.empty() || left_by(order.front()).p > level) return;
+  std::vector<Numerics> ways;
+  if (fits_.front().layout.numerics.second_order) ways = steps_of("");
+  for (const std::string& backend : options_.other_backends)
+    for (Numerics& way : steps_of(backend)) ways.push_back(std::move(way));
+  bool found = false;
+  for (std::size_t i = 0; i < std::min(solved_again, order.size()); ++i)
+    for (const Numerics& way : std::vector<Numerics>(ways)) {
+      if (stopped()) return;
+      Fit& fit = fits_[order[i]];
+      tell(fit.layout.hypothesis.label() + " as engines solve it", static_cast<double>(i), static_cast<double>(solved_again));
+      Fit start = fit;
+      start.layout.numerics = way;
+      Fit again = solved_by(start, fit.chi2);
+      if (!(again.chi2 < fit.chi2 - gain_of_numerics)) continue;
+      LackOfFit left = judge(again);
+      if (left.p <= level && !found) continue;
+      fit = std::move(again);
+      left_.insert_or_assign(fit.layout.hypothesis.label(), std::move(left));
+      ways = {way};
+      found = true;
+      break;
+    }
+}
+
+/// Physics that was found beside other numerics may not need them: the best hypotheses once more as the nominal is solved.
+void Search::fit_without_numerics() {
+  const Numerics own = fits_.front().layout.numerics;
+  std::vector<std::size_t> order;
+  for (std::size_t m = 1; m < fits_.size(); ++m)
+    if (m != base_ && !without_numerics(fits_[m].layout.hypothesis).terms.empty()) order.push_back(m);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return fits_[a].worth() < fits_[b].worth(); });
+  for (std::size_t i = 0; i < std::min(solved_again, order.size()) && !stopped(); ++i) {
+    Fit& fit = fits_[order[i]];
+    tell("the best as the scene is solved", static_cast<double>(i), static_cast<double>(solved_again));
+    Fit start = fit;
+    start.layout.numerics = own;
+    Fit again = improved_if_promising(evaluated(problem_, std::move(start)), fit.chi2);
+    if (again.chi2 >= fit.chi2) continue;
+    fit = std::move(again);
+    left_.erase(fit.layout.hypothesis.label());  // what the fit before it left is no longer so
+  }
+}
+
+}  // namespace repose::diagnosis
