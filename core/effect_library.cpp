@@ -209,7 +209,7 @@ std::vector<EffectRow> of_the_measurement() {
 std::vector<EffectRow> of_the_numerics() {
   return {of_numerics("time_step", "The step of the simulation is too long.", "solver.time_step"),
           of_numerics("solver_tolerance", "The solver stops too early.", "solver.tolerance"),
-          of_numerics("engine_law", "The engine solves another contact law.", "solver.law")};
+          of_numerics("engine_law", "The engine solves another contact law, or is another engine.", "solver.law")};
 }
 
 }  // namespace

@@ -103,11 +103,10 @@ std::vector<Numerics> Search::steps_of(const std::string& backend) {
   return steps;
 }
 
-/// Does the engine alone leave nothing?
+/// Is another engine alone better than all that was tried, and leaves nothing?
 bool Search::engine_suffices() {
-  for (std::size_t m = 1; m < fits_.size(); ++m)
-    if (!fits_[m].layout.numerics.backend.empty() && without_numerics(fits_[m].layout.hypothesis).terms.empty() && left_by(m).p > level) return true;
-  return false;
+  const std::size_t leading = best();
+  return !fits_[leading].layout.numerics.backend.empty() && without_numerics(fits_[leading].layout.hypothesis).terms.empty() && left_by(leading).p > level;
 }
 
 /// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
