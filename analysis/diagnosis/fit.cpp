@@ -93,8 +93,11 @@ class RunCost final : public ceres::CostFunction {
           x = kept + delta;
           moved = at();
         }
-        if (moved.size() == 0) return false;
-        j.col(i) = (moved - r) / delta;
+        // Where it fails on both sides the parameter stays, as in jacobian().
+        if (moved.size() == 0)
+          j.col(i).setZero();
+        else
+          j.col(i) = (moved - r) / delta;
         x = kept;
       }
     }
