@@ -129,6 +129,11 @@ TEST(Probe, DeviatesOfDifferentDimensionsAreAlike) {
   for (const auto& [gain, k] : {std::pair{6.635, 1}, {11.345, 3}, {23.209, 10}}) EXPECT_NEAR(deviate(gain, k), 2.326, 0.06) << k;
 }
 
+TEST(Probe, ShareOfNoiseThatReachesChi2) {
+  // Quantiles from tables.
+  for (const auto& [chi2, degrees, p] : {std::tuple{3.841, 1, 0.05}, {15.987, 10, 0.10}, {135.807, 100, 0.01}}) EXPECT_NEAR(p_of_chi2(chi2, degrees), p, 1e-4) << degrees;
+}
+
 TEST(Null, PValuesOfPureNoiseAreUniform) {
   constexpr Eigen::Index size = 60;
   std::vector<Probe> probes;

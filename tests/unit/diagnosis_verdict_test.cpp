@@ -188,5 +188,13 @@ TEST(Verdict, AnEffectMoreMustEarnItsCost) {
   EXPECT_EQ(earned.best, 2);
 }
 
+TEST(Verdict, AnotherEngineCostsWhatAnEffectCosts) {
+  Evidence inertia = model({"inertia"}, -99);
+  inertia.other_engine = true;
+  EXPECT_EQ(judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5).word, "numerics");
+  inertia.held_out = -90;
+  EXPECT_EQ(judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5).word, "missing");
+}
+
 }  // namespace
 }  // namespace repose::diagnosis

@@ -48,6 +48,10 @@ TEST(DiagnosisWords, measurement_and_numerics_blame_no_physics) {
   const std::string step = diagnosis_in_words(test::sample_numerics());
   EXPECT_TRUE(says(step, "goes away with a finer simulation (time step)")) << step;
   EXPECT_FALSE(says(step, "slows")) << step;
+  diagnosis::Diagnosis engine = test::sample_numerics();
+  engine.models[engine.best].fit.layout.numerics.backend = "dart";
+  engine.models[engine.best].fit.layout.numerics.step_factor = 0.25;
+  EXPECT_TRUE(says(diagnosis_in_words(engine), "goes away when dart solves the scene, at 0.25 of its step")) << diagnosis_in_words(engine);
 }
 
 TEST(DiagnosisWords, admits_what_is_not_proven) {

@@ -1,0 +1,56 @@
+/// The function by which an analysis asks for a simulation.
+#include "scenarios/history.hpp"
+
+#include <gtest/gtest.h>
+
+#include "backends/backends.hpp"
+#include "core/error.hpp"
+#include "core/scene_yaml.hpp"
+
+namespace repose {
+namespace {
+
+Scene dropped(const std::string& pair) {
+  return parse_scene(
+      "materials: {ball: {density: 1000}, floor: {density: 2500}}\n"
+      "pairs: {ball-floor: {friction: 0.3" + pair + "}}\n"
+      "shapes: {ball: {type: sphere, radius: 1 cm}, floor: {type: half_space}}\n"
+      "bodies:\n"
+      "  ball: {shape: ball, material: ball, position: [0, 0, 2 cm], velocity: [0.3, 0, 0]}\n"
+      "  floor: {shape: floor, material: floor, fixed: true}\n"
+      "solver: {time_step: 1.0e-3}\nduration: 0.2\n",
+      "dropped");
+}
+
+TEST(Simulate, RunsOnTheBackendThatTheRequestNames) {
+  const Scene scene = dropped(", restitution: 0.5");
+  SimulationRequest request;
+  request.scene = &scene;
+  const Simulate simulate = simulate_with(find_backend("dvi"), false);
+  const auto end_of = [](const History& history) { return history.bodies.at("ball").position.back(); };
+  EXPECT_EQ(end_of(simulate(request)), end_of(run_history(find_backend("dvi"), request, false).history));
+  for (const std::string& name : backends_beside(find_backend("dvi"))) {
+    request.backend = name;
+    EXPECT_EQ(end_of(simulate(request)), end_of(run_history(find_backend(name), request, false).history)) << name;
+  }
+  EXPECT_NE(end_of(run_history(find_backend("dart"), request, false).history), end_of(run_history(find_backend("dvi"), request, false).history));
+  request.backend = "no such engine";
+  EXPECT_THROW(simulate(request), Error);
+}
+
+TEST(Simulate, OnAnotherBackendTakesNothingThatItLacks) {
+  const Scene scene = dropped(", rolling_friction: 0.1, cohesion: 1 mN");
+  SimulationRequest request;
+  request.scene = &scene;
+  request.backend = "dart";
+  EXPECT_THROW(simulate_with(find_backend("dvi"), true)(request), Error);
+}
+
+TEST(Simulate, AllBackendsButTheOwn) {
+  const std::vector<std::string> beside = backends_beside(find_backend("dvi"));
+  EXPECT_EQ(beside.size() + 1, backends().size());
+  EXPECT_EQ(std::count(beside.begin(), beside.end(), "dvi"), 0);
+}
+
+}  // namespace
+}  // namespace repose
