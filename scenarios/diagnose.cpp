@@ -33,6 +33,7 @@ struct Own {
   std::string root;
   std::vector<std::string> candidates;
   int runs = 8, held_out = 8, replicas = 499, bootstrap = 0;
+  bool one_engine = false;
 };
 
 /// As the report shows them.
@@ -44,6 +45,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Options& opti
                                                            {"held-out runs, at most", std::to_string(own.held_out)},
                                                            {"version", fmt::format("{} ({})", version(), commit())}};
   if (!own.candidates.empty()) list.emplace_back("candidates", fmt::format("{}", fmt::join(own.candidates, ", ")));
+  if (own.one_engine) list.emplace_back("other engines", "not asked");
   for (const Override& o : options.overrides) list.emplace_back("--set " + o.path, o.value);
   return list;
 }
@@ -131,7 +133,7 @@ int run(const Options& options, const Own& own) {
   how.max_held_out_runs = own.held_out;
   how.replicas = own.replicas;
   how.candidates = own.candidates;
-  how.other_backends = backends_beside(find_backend(options.backend));
+  if (!own.one_engine) how.other_backends = backends_beside(find_backend(options.backend));
   how.bootstrap = own.bootstrap;
   // Simulations are kept for the next diagnosis by the same build; a build with uncommitted changes has no name.
   const std::string build = commit();
@@ -181,6 +183,7 @@ int main(int argc, char** argv) {
     app.add_option("--bootstrap", own.bootstrap, "so many recordings are simulated from the nominal fit and diagnosed anew, for its lack of fit (default 0: noise alone)")
         ->type_name("N")
         ->check(CLI::Range(0, 0) | CLI::Range(99, 100000));  // fewer could never reach the level of 1 %
+    app.add_flag("--one-engine", own.one_engine, "do not ask whether another engine made the recordings");
     // Two tests share the level, so that the least p is 2 / (N + 1).
     app.add_option("--replicas", own.replicas, "of noise, for p values; fewer than 199 could not show a lack of fit at 1 % (default 499)")
         ->type_name("N")

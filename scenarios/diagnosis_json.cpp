@@ -114,6 +114,7 @@ json diagnosis_json(const Diagnosis& d) {
   result["compared"] = json::array();
   for (const Compared& c : d.compared) result["compared"].push_back({{"run", c.run}, {"until", c.until}, {"recorded_until", c.recorded_until}});
   result["extended_scene"] = "extended.yaml";
+  if (const std::string& backend = d.models[d.best].fit.layout.numerics.backend; !backend.empty()) result["extended_backend"] = backend;
   for (const auto& [name, noise] : d.noise) result["noise"][name] = {{"sd", noise.sd}, {"correlation", noise.phi}};
   result["remaining_p"] = d.remaining_p;
   result["explained"] = d.explained;

@@ -143,8 +143,10 @@ std::string by_verdict(const Diagnosis& d) {
   if (verdict == "unknown" || d.best == 0) return when_nothing_explains(d);
   const Numerics& how = d.models[d.best].fit.layout.numerics;
   if (verdict == "numerics" && !how.backend.empty())
-    return place_sentence(d, false) + fmt::format("The mismatch goes away when {} solves the scene, at {:.2g} of its step: the recordings are those of such an engine, and no physics "
-                                                  "is missing. ", how.backend, how.step_factor) + worth(d);
+    return place_sentence(d, false) +
+           fmt::format("{} when {} solves the scene, at {:.2g} of its step: that is how engines differ, and no physics that is missing. ",
+                       d.remaining_p > level ? "The mismatch goes away" : "The mismatch becomes least", how.backend, how.step_factor) +
+           worth(d);
   const auto second_order = [](const FittedHypothesis& m) { return m.fit.layout.numerics.second_order; };
   if (verdict == "numerics" && second_order(d.models.front()) && !second_order(d.models[d.best]))
     return place_sentence(d, false) + "The mismatch goes away when the scene is solved with a step's errors: the recordings are those of a simulation with such a step. " +

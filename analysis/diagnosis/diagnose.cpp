@@ -154,7 +154,8 @@ class Diagnosing {
     model.held_out = held_.empty() ? model.train : score_of(problem_, model.held_fit);
     model.predicted = model.held_out.log_likelihood;
     // Where a model leaves plainly more than noise, its slopes say nothing of what another value would be worth.
-    const bool poor = model.fit.per_dof() > plainly_more_than_noise || model.held_fit.per_dof() > plainly_more_than_noise;
+    // The same holds where paths jump with an engine's step.
+    const bool poor = !model.fit.layout.numerics.backend.empty() || model.fit.per_dof() > plainly_more_than_noise || model.held_fit.per_dof() > plainly_more_than_noise;
     if (!held_.empty() && !poor) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
   }
 
@@ -182,7 +183,7 @@ class Diagnosing {
     const Evidence& best = evidence[result_.best];
     for (std::size_t i = 1; i < evidence.size(); ++i) {
       const FittedHypothesis& m = result_.models[i];
-      if (i == result_.best || result_.best == 0 || evidence[i].stated == 0 || best.stated > 0 || m.hypothesis.terms.size() > 1) continue;
+      if (i == result_.best || result_.best == 0 || evidence[i].stated == 0 || best.stated > 0 || best.other_engine || evidence[i].other_engine || m.hypothesis.terms.size() > 1) continue;
       const double cost = cost_of_parameter * (evidence[i].parameters - best.parameters) + cost_of_effect * (1 - static_cast<double>(best.effects.size()));
       if (evidence[i].held_out - best.held_out - cost < -indistinguishable_within) continue;
       const Parameter& p = m.fit.layout.shared.back();
@@ -269,7 +270,7 @@ class Diagnosing {
     tell("intervals of the parameters", 0, 1);
     FittedHypothesis& nominal = result_.models.front();
     nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
-    if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted, options_.seed, fit_options_);
+    if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted && best.fit.layout.numerics.backend.empty(), options_.seed, fit_options_);
     note_combinations(best);
     note_numerics(search.base(), best.fit.layout.numerics);
     const PairedGain gain = paired_gain(nominal.held_out.per_run, best.held_out.per_run);
@@ -283,7 +284,7 @@ class Diagnosing {
   }
 
   void note_numerics(std::size_t base, const Numerics& best) {
-    if (!best.backend.empty() && result_.verdict.word != "unknown") {
+    if (!best.backend.empty()) {
       result_.notes.push_back(fmt::format("The recordings bear the marks of an engine: they are fitted best as {0} solves the scene, at {1:.2g} of its step. So is the extended scene: "
                                           "run it with `--backend {0}`.", best.backend, best.step_factor));
       return;

@@ -251,6 +251,9 @@ Fit grown(const Problem& problem, const Fit& start, const FitOptions& options) {
   return solve(problem, fit, options, true);
 }
 
+/// Does the path jump with the step in which an engine sees that the body hit?
+bool jumps(const Problem& problem, const Fit& fit, std::size_t run) { return !fit.layout.numerics.backend.empty() && problem.runs()[run].hits; }
+
 }  // namespace
 
 Eigen::VectorXd residual_of(const Problem& problem, const Fit& fit, std::size_t run) {
@@ -301,11 +304,11 @@ Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<s
 
 Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options) {
   Fit better = fit;
-  const double stuck = fit.layout.numerics.second_order ? far_off : 0;
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     const std::size_t run = fit.runs[i];
     if (std::find(runs.begin(), runs.end(), run) == runs.end() || (options.interrupted && options.interrupted())) continue;
     const std::vector<Parameter>& start = problem.runs()[run].start;
+    const double stuck = jumps(problem, fit, run) ? 0 : far_off;
     double least = fit.residual[i].size() == 0 ? std::numeric_limits<double>::infinity() : fit.residual[i].squaredNorm();
     if (start.empty() || least < stuck * static_cast<double>(fit.residual[i].size())) continue;
     for (const bool as_told : {false, true}) {
@@ -330,6 +333,7 @@ Fit shaken(const Problem& problem, const Fit& fit, const std::vector<std::size_t
   brief.iterations = shaken_fit;
   side_by_side(runs.size(), options.threads, [&](std::size_t n) {
     const std::size_t run = runs[n];
+    if (!jumps(problem, fit, run)) return;
     Fit begin = fit;
     begin.runs = {run};
     begin = evaluated(problem, begin);

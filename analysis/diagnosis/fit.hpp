@@ -47,12 +47,12 @@ Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options
 Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options);
 
 /// Those of `runs` that are off by more than 5 sigma may be stuck, behind an impact that their first start values miss: they are begun anew from the start
-/// values as read off the data and as the scene has them, fitted to a growing part of the record. So is every run that is not solved in
-/// second order: there the path jumps with the step in which a body hits. Shared parameters stay. Never worse than `fit`.
+/// values as read off the data and as the scene has them, fitted to a growing part of the record. So is every run in which
+/// bodies hit (RunData::hits) that another backend solves: there the path jumps with the step in which it sees that. Shared parameters stay. Never worse than `fit`.
 Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options);
 
-/// Where paths jump, a fit ends in the basin that it began in: the runs are fitted from either side of it, each start value moved by up to what is read
-/// off the data with. Shared parameters stay. Never worse than `fit`.
+/// Where paths jump (as above), a fit ends in the basin that it began in: the runs are fitted from either side of it, each start value moved by an
+/// eighth of its step and up to the whole. Other runs and shared parameters stay. Never worse than `fit`.
 Fit shaken(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options);
 
 /// Derivatives of the residuals of one run at the fit; 0 where a simulation on either side fails or a bound is in the way.

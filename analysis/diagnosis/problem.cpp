@@ -9,6 +9,7 @@
 
 #include "analysis/diagnosis/recorded_noise.hpp"
 #include "analysis/diagnosis/scene_values.hpp"
+#include "analysis/diagnosis/segments.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
@@ -80,6 +81,20 @@ Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Sim
   for (const std::size_t index : runs) add_run(index);
   choose_numerics();
   add_numerics();
+  for (std::size_t run = 0; run < runs_.size(); ++run) runs_[run].hits = hits(run);
+}
+
+bool Problem::hits(std::size_t run) const {
+  try {
+    const Layout nominal = layout({});
+    const History path = history(nominal, run, starts(nominal.shared), starts(runs_[run].start));
+    return std::any_of(path.bodies.begin(), path.bodies.end(), [&](const auto& body) {
+      const std::vector<Phase> phases = phases_of(path, body.second, path.radius.at(body.first));
+      return std::find(phases.begin(), phases.end(), Phase::impact) != phases.end();
+    });
+  } catch (const Error&) {
+    return false;  // cannot be simulated from where it begins: nothing is known of its path
+  }
 }
 
 void Problem::add_run(std::size_t index) {
@@ -284,6 +299,10 @@ YamlNode Problem::solved_by(YamlNode tree, const Layout& layout) const {
   if (how.step_factor != 1) set_path(tree, "solver.time_step", fmt::format("{}", solver.time_step * how.step_factor));
   if (how.tolerance_factor != 1) set_path(tree, "solver.tolerance", fmt::format("{}", solver.tolerance * how.tolerance_factor));
   if (how.second_order) set_path(tree, "solver.integration", "second_order");
+  if (!how.backend.empty()) {  // what other engines do not have
+    set_path(tree, "solver.integration", "symplectic_euler");
+    set_path(tree, "solver.law", "exact");
+  }
   if (how.other_law) set_path(tree, "solver.law", solver.law == ContactLaw::exact ? "relaxed" : "exact");
   return tree;
 }

@@ -27,6 +27,7 @@ struct RunData {
   std::vector<Channel> channels;
   double recorded = 0;              ///< [s]: the last sample
   double horizon = 0;               ///< [s]: later samples are left out, for noise in the start grows beyond use
+  bool hits = false;                ///< bodies come into contact at speed: the path jumps with the step in which an engine of first order sees that
   Eigen::Index size = 0;
   std::uint64_t fingerprint = 0;    ///< of the recorded numbers
 };
@@ -91,6 +92,7 @@ class Problem {
 
  private:
   void add_run(std::size_t index);
+  bool hits(std::size_t run) const;
   void see_periods(Parameter& frequency) const;
   void set_up_channels(RunData& data) const;
   double linear_until(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) const;

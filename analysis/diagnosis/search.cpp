@@ -19,7 +19,6 @@ constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
 constexpr double poor_fit = 2;            // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3, pairs_foreseen = 6;
 constexpr std::size_t pairs_parted = 3;
-constexpr double pair_gain = 10;          // twice the nats that an effect with a parameter costs, and some
 
 bool holds(const Hypothesis& hypothesis, const Term& term) {
   return std::any_of(hypothesis.terms.begin(), hypothesis.terms.end(), [&](const Term& t) { return t.row == term.row && t.place == term.place; });
@@ -58,10 +57,10 @@ void Search::run() {
     choose_base();
     const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
     if (!stopped() && !numerics_suffice) fit_singles();
-    const bool look_further = !numerics_suffice && lack_.p <= level && !stopped() && !engine_suffices();
+    const bool look_further = !numerics_suffice && lack_.p <= level;
     if (!stopped() && look_further) fit_stated();
     if (!stopped() && look_further) fit_as_made();
-    if (!stopped() && look_further) fit_pairs();
+    if (!stopped() && look_further && !engine_suffices()) fit_pairs();
     if (!stopped() && base_ != 0) fit_without_numerics();
     if (!stopped()) fit_parts_of_pairs();
     if (stopped() || !guard()) return;
@@ -105,6 +104,8 @@ bool Search::wanted(const Term& term) const {
 /// Steps 4 and 5 about any fit.
 LackOfFit Search::judge(const Fit& fit) {
   LackOfFit lack;
+  // Where the path jumps with the step, slopes tell nothing of what is left, but its size does.
+  if (!fit.layout.numerics.backend.empty() && leaves_noise(fit)) return lack;
   const Nuisance nuisance(problem_, fit);
   std::vector<Term> terms;
   for (const Term& term : possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale()))
@@ -117,8 +118,7 @@ LackOfFit Search::judge(const Fit& fit) {
   const double p_where = lack.places.pieces.empty() ? 1 : lack.places.pieces.front().p;
   for (const Located& l : lack.places.pieces) lack.deviate = std::max(lack.deviate, l.deviate);
   lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));
-  // Where the path jumps with the step, slopes tell nothing of what is left, but its size does.
-  if (!fit.layout.numerics.backend.empty()) lack.p = p_of_chi2(fit.chi2, std::max<Eigen::Index>(1, fit.samples - fit.parameters));
+  if (!fit.layout.numerics.backend.empty()) lack.p = lack.p_effects = 1.0 / (1 + options_.replicas);
   return lack;
 }
 
@@ -305,6 +305,7 @@ void Search::fit_parts_of_pairs() {
       Fit again = improved_if_promising(evaluated(problem_, begun_within(problem_, layout, pairs[i])), wanted);
       if (!(again.chi2 < wanted - gains_to_matter)) continue;
       left_.erase(alone.label());  // what the fit before it left is no longer so
+      if (known != nullptr && known->layout.numerics.backend != again.layout.numerics.backend && !(again.chi2 < wanted - pair_gain)) continue;  // an engine has its cost
       if (known == nullptr)
         keep(std::move(again));
       else

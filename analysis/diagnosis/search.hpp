@@ -57,6 +57,7 @@ class Search {
 
  private:
   static constexpr double promising = 1.2;         ///< times the chi^2 to beat, after a short fit
+  static constexpr double pair_gain = 10;          ///< twice the nats that an effect with a parameter costs, and some
   static constexpr double gains_to_matter = 1e-3;  ///< of chi^2, absolute: below it two fits are the same
   bool stopped();
   void tell(const std::string& stage, double done, double total) const;
@@ -75,6 +76,7 @@ class Search {
   void fit_singles();
   void fit_stated();
   static std::vector<Numerics> steps_of(const std::string& backend);
+  static bool leaves_noise(const Fit& fit);
   bool engine_suffices();
   void fit_as_made();
   std::vector<std::size_t> singles_by_worth() const;

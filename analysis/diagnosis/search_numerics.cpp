@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
 
 #include "analysis/diagnosis/search.hpp"
 #include "analysis/diagnosis/verdict.hpp"
@@ -11,6 +13,7 @@ namespace {
 
 constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
 constexpr double coarse_scene = 3;       // of the noise, rms: a step that errs by less is none that anyone would blame
+constexpr double noise_may_err = 1.1;    // in squares: a reading in steps of the noise adds a twelfth to what the recording states
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
 }  // namespace
@@ -30,13 +33,16 @@ void Search::compare_as_given() {
   fits_ = {std::move(given), std::move(finer)};
 }
 
-/// A fit begun with other numerics than it had.
+/// A fit begun with other numerics than it had. An engine that lacks something of the scene gives no finite chi^2.
 Fit Search::solved_by(const Fit& start, double wanted) const {
   Fit fit = evaluated(problem_, start);
-  if (std::isfinite(fit.chi2)) fit = begun_anew(problem_, fit, train_, fit_options_);
-  fit = improved_if_promising(fit, wanted);
-  if (fit.layout.numerics.second_order || !(fit.chi2 < promising * wanted)) return fit;
-  return improved(shaken(problem_, fit, train_, fit_options_));
+  if (fit.layout.numerics.backend.empty() || !std::isfinite(fit.chi2)) return improved_if_promising(fit, wanted);
+  fit = improved_if_promising(begun_anew(problem_, fit, train_, fit_options_), wanted);
+  return fit.chi2 < promising * wanted && !leaves_noise(fit) ? improved(shaken(problem_, fit, train_, fit_options_)) : fit;
+}
+
+bool Search::leaves_noise(const Fit& fit) {
+  return p_of_chi2(fit.chi2 / noise_may_err, std::max<Eigen::Index>(1, fit.samples - fit.parameters)) > level;
 }
 
 /// Does the mismatch go away with another step, with a tenth of the tolerance, with the other contact law, or in another engine?
@@ -63,19 +69,20 @@ void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
   Hypothesis hypothesis{{{find_effect(name), ""}}};
   Fit best;
   best.chi2 = std::numeric_limits<double>::infinity();
+  const double least = find(hypothesis) == nullptr ? fits_.front().chi2 : std::min(find(hypothesis)->chi2, fits_.front().chi2);
   for (const Numerics& numerics : ways) {
     if (stopped()) return;
-    const double wanted = std::min(best.chi2, fits_.front().chi2);
+    const double wanted = std::min(best.chi2, least);
     tell("another way to solve it", 0, 1);
     Fit fit = fits_.front();
     fit.layout.hypothesis = hypothesis;
     fit.layout.numerics = numerics;
-    // An engine that lacks something of the scene gives no finite chi^2.
     if (fit = solved_by(fit, wanted); fit.chi2 < best.chi2) best = std::move(fit);
   }
   Fit* const known = find(hypothesis);
   if (known == nullptr) return keep(std::move(best));
-  if (!(best.chi2 < known->chi2 - gains_to_matter)) return;
+  if (!(best.chi2 < known->chi2 - gain_of_numerics)) return;
+  if (best.layout.numerics.backend.empty() && known->layout.numerics.second_order && !best.layout.numerics.second_order) return;  // a finer scene stays finer
   left_.erase(hypothesis.label());
   *known = std::move(best);
 }
@@ -103,40 +110,54 @@ std::vector<Numerics> Search::steps_of(const std::string& backend) {
   return steps;
 }
 
-/// Is another engine alone better than all that was tried, and leaves nothing?
+/// Does another engine leave nothing by itself, so that no physics beside it gains more than a second effect must?
 bool Search::engine_suffices() {
-  const std::size_t leading = best();
-  return !fits_[leading].layout.numerics.backend.empty() && without_numerics(fits_[leading].layout.hypothesis).terms.empty() && left_by(leading).p > level;
+  const Fit* const engine = find({{{find_effect("engine_law"), ""}}});
+  if (engine == nullptr || engine->layout.numerics.backend.empty() || !leaves_noise(*engine)) return false;
+  return std::none_of(fits_.begin(), fits_.end(), [&](const Fit& fit) { return fit.worth() < engine->worth() - pair_gain; });
 }
 
 /// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
-/// step, or its impacts. These once more as such engines solve them: a second effect would only imitate it. A way is an answer where it leaves
-/// nothing beside one of them, and then it is the way for all.
+/// step, or its impacts. A second effect would only imitate it. A way is an answer where it leaves nothing beside one of the best two (or by
+/// itself); the one that fits best is then the way for all.
 void Search::fit_as_made() {
-  const std::vector<std::size_t> order = singles_by_worth();
+  std::vector<std::size_t> order = singles_by_worth();
   if (order.empty() || left_by(order.front()).p > level) return;
+  if (order.size() > solved_again) order.resize(solved_again);
+  std::map<std::size_t, Fit> made;  // by the place in fits_
+  const auto solve = [&](std::size_t place, const Numerics& way) {
+    tell(fits_[place].layout.hypothesis.label() + " as engines solve it", static_cast<double>(made.size()), static_cast<double>(solved_again));
+    Fit start = fits_[place];
+    start.layout.numerics = way;
+    return solved_by(start, fits_[place].chi2);
+  };
+  const Fit* const engine = find({{{find_effect("engine_law"), ""}}});
+  std::optional<Numerics> found;
+  if (engine != nullptr && !engine->layout.numerics.backend.empty() && leaves_noise(*engine)) found = engine->layout.numerics;
   std::vector<Numerics> ways;
   if (fits_.front().layout.numerics.second_order) ways = steps_of("");
   for (const std::string& backend : options_.other_backends)
     for (Numerics& way : steps_of(backend)) ways.push_back(std::move(way));
-  bool found = false;
-  for (std::size_t i = 0; i < std::min(solved_again, order.size()); ++i)
-    for (const Numerics& way : std::vector<Numerics>(ways)) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min<std::size_t>(2, order.size()) && (!found || std::isfinite(least)); ++i)
+    for (const Numerics& way : ways) {
       if (stopped()) return;
-      Fit& fit = fits_[order[i]];
-      tell(fit.layout.hypothesis.label() + " as engines solve it", static_cast<double>(i), static_cast<double>(solved_again));
-      Fit start = fit;
-      start.layout.numerics = way;
-      Fit again = solved_by(start, fit.chi2);
-      if (!(again.chi2 < fit.chi2 - gain_of_numerics)) continue;
-      LackOfFit left = judge(again);
-      if (left.p <= level && !found) continue;
-      fit = std::move(again);
-      left_.insert_or_assign(fit.layout.hypothesis.label(), std::move(left));
-      ways = {way};
-      found = true;
-      break;
+      Fit fit = solve(order[i], way);
+      if (!(fit.chi2 < std::min(least, fits_[order[i]].chi2 - gain_of_numerics)) || judge(fit).p <= level) continue;
+      least = fit.chi2;
+      found = way;
+      made.insert_or_assign(order[i], std::move(fit));
     }
+  if (!found) return;
+  for (const std::size_t place : order) {
+    if (stopped()) return;
+    auto fit = made.find(place);
+    const auto as_found = [&](const Numerics& way) { return way.backend == found->backend && way.step_factor == found->step_factor; };
+    if (fit == made.end() || !as_found(fit->second.layout.numerics)) fit = made.insert_or_assign(place, solve(place, *found)).first;
+    if (!(fit->second.chi2 < fits_[place].chi2 - gain_of_numerics)) continue;
+    left_.erase(fits_[place].layout.hypothesis.label());  // what the fit before it left is no longer so
+    fits_[place] = std::move(fit->second);
+  }
 }
 
 /// Physics that was found beside other numerics may not need them: the best hypotheses once more as the nominal is solved.

@@ -21,9 +21,13 @@ std::string word_of(const Evidence& best) {
   return "measurement";
 }
 
+/// With the engine that solves it, which is in the place of one.
+std::size_t effects_of(const Evidence& e) { return e.effects.size() + (e.other_engine ? 1 : 0); }
+
 /// Does `large` hold every effect of `small`? Then it is no rival of it, but the same with more.
 bool nested(const Evidence& small, const Evidence& large) {
   return std::all_of(small.effects.begin(), small.effects.end(), [&](const std::string& name) {
+    if (large.other_engine && name == "engine_law") return true;
     return std::find(large.effects.begin(), large.effects.end(), name) != large.effects.end();
   });
 }
@@ -45,7 +49,7 @@ void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t b
   if (best == 0 || leader.lack_of_fit * leader.lack_of_fit <= plainly_more_than_noise) return;
   for (std::size_t i = 1; i < evidence.size(); ++i) {
     const Evidence& rival = evidence[i];
-    if (i == best || rival.effects.size() != leader.effects.size() || rival.train_gain < least_explained * leader.train_gain) continue;
+    if (i == best || effects_of(rival) != effects_of(leader) || rival.train_gain < least_explained * leader.train_gain) continue;
     if (held_out_gain(rival) < least_explained * held_out_gain(leader)) continue;
     if (rival.explained < comparable * leader.explained && rival.held_out < leader.held_out) continue;
     score[i] = std::max(score[i], score[best] + log_odds_by_runs(leader, rival) - cost_of_stated * std::max(0, rival.stated - leader.stated));
@@ -80,7 +84,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   std::vector<double> score;
   const auto worth = [&](const Evidence& e, double temper) {
     return (e.held_out - evidence[0].held_out) / temper - cost_of_parameter * e.parameters -
-           cost_of_effect * static_cast<double>(e.effects.size() + (e.other_engine ? 1 : 0)) - cost_of_stated * e.stated;
+           cost_of_effect * static_cast<double>(effects_of(e)) - cost_of_stated * e.stated;
   };
   const auto temper_of = [&](const Evidence& e) { return std::max(1.0, e.lack_of_fit * e.lack_of_fit); };
   double temper = 1;

@@ -26,7 +26,7 @@ void demand(bool met, const std::string& what) {
 }
 
 /// Root mean square of the position residuals of a run that starts as stated.
-void add_squares(const std::filesystem::path& out, const Bundle& bundle, const std::string& id, const json& own, double& squares, double& samples) {
+void add_squares(const std::filesystem::path& out, const Bundle& bundle, const std::string& id, const json& own, const std::string& backend, double& squares, double& samples) {
   std::vector<Override> start;
   const BundleRun* run = nullptr;
   for (const BundleRun& r : bundle.runs)
@@ -36,7 +36,7 @@ void add_squares(const std::filesystem::path& out, const Bundle& bundle, const s
   const Scene scene = load_scene(out / "extended.yaml", start);
   SimulationRequest request;
   request.scene = &scene;
-  const History history = run_history(find_backend("dvi"), request, false).history;
+  const History history = run_history(find_backend(backend), request, false).history;
   for (const Observation& o : run->observations)
     for (std::size_t i = 0; i < o.time.size(); ++i)
       for (int k = 0; k < 3; ++k)
@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   if (found["verdict"] == "measurement") return 0;  // not of the scene
   if (bundle.runs.front().observations.front().kind != ObservableKind::trajectory) return 0;  // a packing does not repeat
   double squares = 0, samples = 0;
-  for (const json& id : held["runs"]) add_squares(out, bundle, id, held["extended"]["own"][id.get<std::string>()], squares, samples);
+  for (const json& id : held["runs"]) add_squares(out, bundle, id, held["extended"]["own"][id.get<std::string>()], found.value("extended_backend", "dvi"), squares, samples);
   const double stated = held["extended"]["rmse"]["position"], again = std::sqrt(squares / samples);
   demand(std::abs(again / stated - 1) < 1e-3, fmt::format("extended.yaml leaves {} m, stated are {} m", again, stated));
 }

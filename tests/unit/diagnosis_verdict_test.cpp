@@ -191,7 +191,9 @@ TEST(Verdict, AnEffectMoreMustEarnItsCost) {
 TEST(Verdict, AnotherEngineCostsWhatAnEffectCosts) {
   Evidence inertia = model({"inertia"}, -99);
   inertia.other_engine = true;
-  EXPECT_EQ(judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5).word, "numerics");
+  const Verdict dear = judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5);
+  EXPECT_EQ(dear.word, "numerics");
+  EXPECT_EQ(dear.best, 1);
   inertia.held_out = -90;
   EXPECT_EQ(judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5).word, "missing");
 }
