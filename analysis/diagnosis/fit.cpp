@@ -45,6 +45,8 @@ struct Coordinates {
 
 constexpr double nudge = 0.1;  // in units of Coordinates
 constexpr double far_off = 25;        // chi^2 per sample of a run that may be stuck: 5 sigma
+constexpr int shakes = 4;
+constexpr double worth_shaking = 1;   // of chi^2: another basin gains more
 constexpr int shaken_fit = 3;         // iterations that tell how deep a neighbouring basin is
 constexpr double first_radius = 100;  // of Ceres' 1e4: contacts bend the residuals, and each step that is taken back is one of few
 
@@ -334,20 +336,24 @@ Fit shaken(const Problem& problem, const Fit& fit, const std::vector<std::size_t
   side_by_side(runs.size(), options.threads, [&](std::size_t n) {
     const std::size_t run = runs[n];
     if (!jumps(problem, fit, run)) return;
-    Fit begin = fit;
-    begin.runs = {run};
-    begin = evaluated(problem, begin);
-    Fit best = begin;
+    Fit best = fit;
+    best.runs = {run};
+    best = evaluated(problem, best);
     const std::vector<Parameter>& own = problem.runs()[run].start;
-    for (std::size_t i = 0; i < own.size(); ++i)
-      for (const double distance : {1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.125, -0.125}) {
-        if (options.interrupted && options.interrupted()) return;
-        Fit there = begin;
-        double& value = there.own[run][static_cast<Eigen::Index>(i)];
-        value = std::clamp(value + distance * own[i].step, own[i].lower, own[i].upper);
-        if (there = solve(problem, evaluated(problem, there), brief, true); there.chi2 < best.chi2) best = std::move(there);
-      }
-    if (best.chi2 < begin.chi2) better.own[run] = solve(problem, best, alone, true).own[run];
+    for (int round = 0; round < shakes; ++round) {
+      const Fit begin = best;
+      for (std::size_t i = 0; i < own.size(); ++i)
+        for (const double distance : {1.0, -1.0, 0.5, -0.5, 0.25, -0.25, 0.125, -0.125}) {
+          if (options.interrupted && options.interrupted()) return;
+          Fit there = begin;
+          double& value = there.own[run][static_cast<Eigen::Index>(i)];
+          value = std::clamp(value + distance * own[i].step, own[i].lower, own[i].upper);
+          if (there = solve(problem, evaluated(problem, there), brief, true); there.chi2 < best.chi2) best = std::move(there);
+        }
+      if (!(best.chi2 < begin.chi2 - worth_shaking)) break;
+      best = solve(problem, best, alone, true);
+    }
+    better.own[run] = best.own[run];
   });
   return evaluated(problem, better);
 }
