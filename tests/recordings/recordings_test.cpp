@@ -28,6 +28,7 @@ class Recordings : public ::testing::Test {
   }
   static Diagnosis diagnose(const Bundle& bundle, int runs, int held_out) {
     diagnosis::DiagnoseOptions options;
+    options.other_backends = backends_beside(find_backend("dvi"));
     options.max_train_runs = runs;
     options.max_held_out_runs = held_out;
     return diagnosis::diagnose(bundle, simulate_with(find_backend("dvi"), false), options);
