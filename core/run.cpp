@@ -216,6 +216,11 @@ class Runner {
       const Body& body = model_.bodies[i];
       if (!body.dynamic) continue;
       ahead_.position[i] += time * state_.velocity[i];
+      ahead_.orientation[i] = (rotation_of(time * state_.angular_velocity[i]) * state_.orientation[i]).normalized();
+      // Principal axes of the orientation before.
+      const Mat3 axes = state_.orientation[i].toRotationMatrix();
+      const Vec3 momentum = body.inertia.cwiseProduct(axes.transpose() * state_.angular_velocity[i]) + time * (axes.transpose() * loads_.torque[i]);
+      ahead_.angular_velocity[i] = axes * Vec3(momentum.array() / (body.inertia.array() + time * loads_.angular_damping[i]));
       ahead_.velocity[i] = (body.mass * state_.velocity[i] + time * loads_.force[i]) / (body.mass + time * loads_.linear_damping[i]);
     }
     evaluate_loads(model_, ahead_, loads_);

@@ -106,8 +106,8 @@ class WorldDvi final : public World {
     }
   }
 
-  /// v_free = (m v + h f) / (m + h damping), and likewise for the rotation in the principal axes; in second order
-  /// (m v + h (f - damping v / 2)) / (m + h damping / 2), but where that would swing.
+  /// v_free = (m v + h f) / (m + h damping); in second order (m v + h (f - damping v / 2)) / (m + h damping / 2), but where that would
+  /// swing. Likewise for the rotation in the principal axes.
   void free_velocities(double h, const BodyLoads& loads) {
     const std::size_t n = bodies_.count();
     rotation_.resize(n);
@@ -125,12 +125,13 @@ class WorldDvi final : public World {
       const double ahead = second_order() && damping < bodies_.mass[i] ? 0.5 * damping : damping;  // the rest acts on the velocity before
       const double damped = bodies_.mass[i] + ahead;
       free_velocity_[i] = ((bodies_.mass[i] - (damping - ahead)) * bodies_.velocity[i] + h * (loads.force[i] / units_.force())) / damped;
-      const double angular_damping =
-          loads.angular_damping[i] / (units_.mass * units_.length * units_.length / units_.time);
-      const Vec3 inverse = (bodies_.inertia[i].array() + h * angular_damping).inverse();
+      const Vec3& inertia = bodies_.inertia[i];
+      const double braking = h * (loads.angular_damping[i] / (units_.mass * units_.length * units_.length / units_.time));
+      const double braking_ahead = second_order() && braking < inertia.minCoeff() ? 0.5 * braking : braking;
+      const Vec3 inverse = (inertia.array() + braking_ahead).inverse();
+      const Vec3 kept = inertia.array() - (braking - braking_ahead);
       const Vec3 body_momentum =
-          bodies_.inertia[i].cwiseProduct(rotation_[i].transpose() * bodies_.angular[i]) +
-          rotation_[i].transpose() * Vec3(h * (loads.torque[i] / torque_unit));
+          kept.cwiseProduct(rotation_[i].transpose() * bodies_.angular[i]) + rotation_[i].transpose() * Vec3(h * (loads.torque[i] / torque_unit));
       free_angular_[i] = rotation_[i] * inverse.cwiseProduct(body_momentum);
       inverse_[i].mass = 1 / damped;
       const Mat3 world = bodies_.isotropic[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
