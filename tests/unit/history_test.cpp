@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
 
 #include "backends/backends.hpp"
 #include "core/error.hpp"
@@ -47,6 +48,26 @@ TEST(Simulate, OnAnotherBackendTakesNothingThatItLacks) {
   EXPECT_THROW(simulate_with(find_backend("dvi"), true)(request), Error);
   request.backend.clear();
   EXPECT_NO_THROW(simulate_with(find_backend("dvi"), true)(request));
+}
+
+TEST(Simulate, InSecondOrderForcesAreThoseOfTheSpinHalfWay) {
+  // A ball whose spin decays bends its path less and less: the error falls with the square of the step.
+  const auto end = [](double h) {
+    const Scene scene = parse_scene(
+        "materials: {ball: {density: 1000}}\npairs: {}\nshapes: {ball: {type: sphere, radius: 2 cm}}\n"
+        "bodies: {ball: {shape: ball, material: ball, position: [0, 0, 0], velocity: [2, 0, 0], angular_velocity: [0, 0, 30]}}\n"
+        "gravity: [0, 0, 0]\neffects: {linear_drag: {viscosity: 0.05}, magnus: {lift: 1, fluid_density: 100}}\n"
+        "solver: {time_step: " + std::to_string(h) + ", integration: second_order}\nduration: 1\n",
+        "spinning");
+    SimulationRequest request;
+    request.scene = &scene;
+    return run_history(find_backend("dvi"), request, false).final_state.position[0];
+  };
+  const Vec3 exact = end(2e-4);
+  const double coarse = (end(2e-2) - exact).norm(), fine = (end(1e-2) - exact).norm();
+  EXPECT_GT(coarse, 1e-6);
+  EXPECT_GT(coarse / fine, 3.5);
+  EXPECT_LT(coarse / fine, 4.5);
 }
 
 TEST(Simulate, AllBackendsButTheOwn) {
