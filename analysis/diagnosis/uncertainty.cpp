@@ -17,6 +17,7 @@ constexpr double rise = ninety * ninety;       // of chi^2 at the end of the int
 constexpr double close = 0.05;                 // of the rise, relative
 constexpr int trials = 8;
 constexpr int iterations = 4;                  // of each refit: it begins where it will nearly end
+constexpr double suspicious = 1.5;             // times the rise at the end of the interval
 constexpr std::size_t least_runs = 6;
 constexpr int bootstrap_replicas = 999;
 constexpr std::uint64_t stream = 91;
@@ -64,6 +65,8 @@ double reach(const Problem& problem, const Fit& fit, std::size_t index, double s
   FitOptions pinned = options;
   pinned.pinned = static_cast<int>(index);
   pinned.iterations = iterations;
+  FitOptions thorough = pinned;
+  thorough.iterations = options.iterations;
   Fit from = fit;
   double inside = 0, outside = most, inside_rise = 0, at = std::min(most, ninety * se > 0 ? ninety * se : p.step);
   bool bracketed = false;
@@ -77,7 +80,9 @@ double reach(const Problem& problem, const Fit& fit, std::size_t index, double s
     }
     start.shared[k] = fit.shared[k] + sign * at;
     for (std::size_t run = 0; run < start.own.size(); ++run) start.own[run] += further * others.own[run];
-    const Fit held = minimise(problem, start, pinned);
+    Fit held = minimise(problem, start, pinned);
+    // A refit that is stuck makes the profile too steep, never too flat.
+    if (held.chi2 - fit.chi2 > suspicious * wanted) held = minimise(problem, minimise_own(problem, held, fit.runs, thorough), thorough);
     const double risen = held.chi2 - fit.chi2;
     if (std::abs(risen / wanted - 1) < close) return at;
     if (risen < wanted) {
