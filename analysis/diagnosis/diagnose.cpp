@@ -183,7 +183,7 @@ class Diagnosing {
     const Evidence& best = evidence[result_.best];
     for (std::size_t i = 1; i < evidence.size(); ++i) {
       const FittedHypothesis& m = result_.models[i];
-      if (i == result_.best || result_.best == 0 || evidence[i].stated == 0 || best.stated > 0 || best.other_engine || evidence[i].other_engine || m.hypothesis.terms.size() > 1) continue;
+      if (i == result_.best || result_.best == 0 || evidence[i].stated == 0 || best.stated > 0 || !best.solved.empty() || !evidence[i].solved.empty() || m.hypothesis.terms.size() > 1) continue;
       const double cost = cost_of_parameter * (evidence[i].parameters - best.parameters) + cost_of_effect * (1 - static_cast<double>(best.effects.size()));
       if (evidence[i].held_out - best.held_out - cost < -indistinguishable_within) continue;
       const Parameter& p = m.fit.layout.shared.back();
@@ -252,7 +252,7 @@ class Diagnosing {
       e.form_parameters = m.form_parameters;
       e.stated = stated_in(m.hypothesis);
       e.explained = explained_by(i, search.base());
-      e.other_engine = !m.fit.layout.numerics.backend.empty() && std::any_of(e.sites.begin(), e.sites.end(), [](EffectSite s) { return s != EffectSite::numerics; });
+      if (std::any_of(e.sites.begin(), e.sites.end(), [](EffectSite s) { return s != EffectSite::numerics; })) e.solved = other_numerics(m.fit.layout.numerics);
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
     }
@@ -281,6 +281,14 @@ class Diagnosing {
     tell_recorded_times();
     result_.extended_scene = emit_yaml(problem_.extended_scene(best.fit.layout, best.fit.shared));
     result_.simulations = problem_.simulations();
+  }
+
+  /// The effect that stands for numerics which are not the nominal's; empty for the nominal's own.
+  std::string other_numerics(const Numerics& numerics) const {
+    const Numerics& nominal = result_.models.front().fit.layout.numerics;
+    if (numerics.backend != nominal.backend || numerics.other_law != nominal.other_law) return "engine_law";
+    if (numerics.step_factor != nominal.step_factor || numerics.second_order != nominal.second_order) return "time_step";
+    return numerics.tolerance_factor != nominal.tolerance_factor ? "solver_tolerance" : "";
   }
 
   void note_numerics(std::size_t base, const Numerics& best) {

@@ -21,13 +21,13 @@ std::string word_of(const Evidence& best) {
   return "measurement";
 }
 
-/// With the engine that solves it, which is in the place of one.
-std::size_t effects_of(const Evidence& e) { return e.effects.size() + (e.other_engine ? 1 : 0); }
+/// With the numerics that it needs, which are in the place of one.
+std::size_t effects_of(const Evidence& e) { return e.effects.size() + (e.solved.empty() ? 0 : 1); }
 
 /// Does `large` hold every effect of `small`? Then it is no rival of it, but the same with more.
 bool nested(const Evidence& small, const Evidence& large) {
   return std::all_of(small.effects.begin(), small.effects.end(), [&](const std::string& name) {
-    if (large.other_engine && name == "engine_law") return true;
+    if (name == large.solved) return true;
     return std::find(large.effects.begin(), large.effects.end(), name) != large.effects.end();
   });
 }
@@ -145,11 +145,12 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
         others.push_back(name);
   }
   if (!others.empty()) {
+    const bool numerics_alone = std::all_of(others.begin(), others.end(), [](const std::string& name) { return find_effect(name)->site == EffectSite::numerics; });
     std::vector<std::string> group{open.front()};
     for (const std::string& name : others)
       if (group.size() < 3) group.push_back(name);
     verdict.indistinguishable.push_back(group);
-    verdict.word = "ambiguous";
+    if (verdict.word != "numerics" || !numerics_alone) verdict.word = "ambiguous";
   }
   return verdict;
 }

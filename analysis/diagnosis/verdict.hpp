@@ -17,7 +17,7 @@ struct Evidence {
   int parameters = 0;                 ///< beyond the nominal's
   int form_parameters = 0;            ///< that shape one run: those of a single run counted once
   int stated = 0;                     ///< effects that contradict a constant of the scene
-  bool other_engine = false;          ///< solved by another backend than the nominal: as good as one effect more
+  std::string solved;                 ///< physics beside numerics that are not the nominal's: these, by the name of their effect; as good as one effect more
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
   double explained = 0;               ///< share of the nominal's excess chi^2 that it removes
 };

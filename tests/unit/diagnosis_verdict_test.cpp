@@ -188,12 +188,16 @@ TEST(Verdict, AnEffectMoreMustEarnItsCost) {
   EXPECT_EQ(earned.best, 2);
 }
 
-TEST(Verdict, AnotherEngineCostsWhatAnEffectCosts) {
+TEST(Verdict, NumericsOfOtherThanTheNominalCostWhatAnEffectCosts) {
   Evidence inertia = model({"inertia"}, -99);
-  inertia.other_engine = true;
+  inertia.solved = "engine_law";
   const Verdict dear = judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5);
   EXPECT_EQ(dear.word, "numerics");
   EXPECT_EQ(dear.best, 1);
+  const Verdict either = judge({model({}, -500, 3), model({"engine_law"}, -100), model({"time_step"}, -100), inertia}, 0.002, 0.5);
+  EXPECT_EQ(either.word, "numerics");
+  ASSERT_EQ(either.indistinguishable.size(), 1U);
+  EXPECT_EQ(either.indistinguishable[0], (std::vector<std::string>{"engine_law", "time_step"}));
   inertia.held_out = -90;
   EXPECT_EQ(judge({model({}, -500, 3), model({"engine_law"}, -100), inertia}, 0.002, 0.5).word, "missing");
 }
