@@ -138,8 +138,9 @@ void Search::fit_as_made() {
   if (fits_.front().layout.numerics.second_order) ways = steps_of("");
   for (const std::string& backend : options_.other_backends)
     for (Numerics& way : steps_of(backend)) ways.push_back(std::move(way));
+  const std::size_t asked = found ? 0 : std::min<std::size_t>(2, order.size());
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < std::min<std::size_t>(2, order.size()) && (!found || std::isfinite(least)); ++i)
+  for (std::size_t i = 0; i < asked; ++i)
     for (const Numerics& way : ways) {
       if (stopped()) return;
       Fit fit = solve(order[i], way);
