@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
 constexpr double coarse_scene = 3;       // of the noise, rms: a step that errs by less is none that anyone would blame
+constexpr double beside_the_step = 25;   // chi^2 per degree of freedom
 constexpr double noise_may_err = 1.1;    // in squares: a reading in steps of the noise adds a twelfth to what the recording states
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
@@ -35,8 +36,9 @@ void Search::compare_as_given() {
 
 /// A fit begun with other numerics than it had. An engine that lacks something of the scene gives no finite chi^2.
 Fit Search::solved_by(const Fit& start, double wanted) const {
-  Fit fit = evaluated(problem_, start);
-  if (fit.layout.numerics.backend.empty() || !std::isfinite(fit.chi2)) return improved_if_promising(fit, wanted);
+  Fit fit = improved_if_promising(evaluated(problem_, start), wanted);
+  // Steps in which bodies hit set a fit off by little: one that is far off has another reason.
+  if (fit.layout.numerics.backend.empty() || !(fit.per_dof() < beside_the_step) || leaves_noise(fit)) return fit;
   fit = improved_if_promising(begun_anew(problem_, fit, train_, fit_options_), wanted);
   return fit.chi2 < promising * wanted && !leaves_noise(fit) ? improved(shaken(problem_, fit, train_, fit_options_)) : fit;
 }
