@@ -46,7 +46,7 @@ struct Coordinates {
 constexpr double nudge = 0.1;  // in units of Coordinates
 constexpr double far_off = 25;        // chi^2 per sample of a run that may be stuck: 5 sigma
 constexpr int shakes = 4;
-constexpr double worth_shaking = 1;   // of chi^2: another basin gains more
+constexpr double basin_gain = 1;   // of chi^2: another basin gains more
 constexpr int shaken_fit = 3;         // iterations that tell how deep a neighbouring basin is
 constexpr double first_radius = 100;  // of Ceres' 1e4: contacts bend the residuals, and each step that is taken back is one of few
 
@@ -350,7 +350,7 @@ Fit shaken(const Problem& problem, const Fit& fit, const std::vector<std::size_t
           value = std::clamp(value + distance * own[i].step, own[i].lower, own[i].upper);
           if (there = solve(problem, evaluated(problem, there), brief, true); there.chi2 < best.chi2) best = std::move(there);
         }
-      if (!(best.chi2 < begin.chi2 - worth_shaking)) break;
+      if (!(best.chi2 < begin.chi2 - basin_gain)) break;
       best = solve(problem, best, alone, true);
     }
     better.own[run] = best.own[run];

@@ -7,7 +7,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double worth_a_trial = 10;  // of chi^2 that another hypothesis fits a run better
-constexpr double worth_shaking = 2;  // chi^2 per degree of freedom on the runs that were fitted: what is worse there wins nothing here
+constexpr double near_noise = 2;  // chi^2 per degree of freedom on the runs that were fitted: what is worse there wins nothing here
 constexpr double promising = 2;       // times the chi^2 to beat, as another's start values leave it
 
 double chi2_of(const Fit& fit, std::size_t i) {
@@ -29,7 +29,7 @@ std::vector<Fit> held_out_fits(const Problem& problem, const std::vector<const F
   std::vector<Fit> fits;
   for (const Fit* trained : hypotheses) {
     fits.push_back(minimise_own(problem, *trained, runs, options));
-    if (!trained->layout.numerics.backend.empty() && trained->per_dof() < worth_shaking) fits.back() = shaken(problem, begun_anew(problem, fits.back(), runs, options), runs, options);
+    if (!trained->layout.numerics.backend.empty() && trained->per_dof() < near_noise) fits.back() = shaken(problem, begun_anew(problem, fits.back(), runs, options), runs, options);
     told(fits.size());
   }
   std::vector<bool> moved(fits.size(), false);
