@@ -76,6 +76,8 @@ int main(int argc, char** argv) {
     // Threads that wait for each other spin a moment, then sleep: for ever spinning ones hold up all others where a core is
     // shared (108 s against 0.6 s in one of the tests). Read by the OpenMP runtime when the command starts.
     setenv("GOMP_SPINCOUNT", "20000", 0);
+    // Large arrays on large pages: sweeps over many contacts wait for addresses otherwise. Read by the allocator.
+    setenv("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1", 0);
     execv(path.c_str(), argv + 1);
     if (errno != ENOENT) {
       fmt::print(stderr, "repose: {} cannot be started: {}\n  build or install the project anew\n", path, std::strerror(errno));

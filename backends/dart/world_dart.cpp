@@ -337,7 +337,7 @@ class WorldDart final : public World {
     gap_.resize(touches_.size());
     for (std::size_t i = 0; i < touches_.size(); ++i)
       gap_[i] = touches_[i].gap + h * dvi::relative_velocity(problem_.contacts[i], velocity_after_, angular_after_)[0];
-    dvi::push_apart(problem_, gap_, penetration_slop, displacement_);
+    dvi::push_apart(problem_, gap_, penetration_slop, 1, displacement_);
     for (std::size_t s = 0; s < static_cast<std::size_t>(problem_.dynamic_bodies); ++s) {
       position_[body_of_slot_[s]] += displacement_[s].shift;
       turn(body_of_slot_[s], displacement_[s].turn);

@@ -176,6 +176,22 @@ auto with_rows(const PackedProblem<Real>& packed, F&& f) {
   return packed.rotational ? f(std::true_type{}) : f(std::false_type{});
 }
 
+/// Calls visit(batch) once for every batch, to be called by all of a team: batches that share a body come one after another, in the same
+/// order at any thread count.
+template <class Real, class Visit>
+void each_batch(const PackedProblem<Real>& packed, Visit&& visit) {
+#pragma omp for schedule(dynamic)
+  for (int block = 0; block < packed.blocks(); ++block)
+    for (std::int32_t i = packed.block_start[static_cast<std::size_t>(block)]; i < packed.block_start[static_cast<std::size_t>(block) + 1]; ++i)
+      visit(static_cast<std::size_t>(i));
+  for (int colour = packed.first_between; colour < packed.colours(); ++colour) {
+    const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
+    const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
+#pragma omp for schedule(static)
+    for (std::int32_t i = first; i < last; ++i) visit(static_cast<std::size_t>(i));
+  }
+}
+
 #undef REPOSE_INLINE
 
 }  // namespace repose::dvi

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "backends/dvi/team.hpp"
+
 namespace repose::dvi {
 
 namespace {
 
 constexpr int coordinate_bits = 19;
 constexpr std::size_t cells_per_ball = 8;
-constexpr int max_level = 63;  // sizes beyond 2^63 : 1 share the last grid
+constexpr int octaves = 2;     // of size that share a grid
+constexpr int max_level = 31;  // sizes beyond 2^62 : 1 share the last grid
 
 /// Spreads the low 19 bits so that two zero bits follow each.
 std::uint64_t spread(std::uint64_t x) {
@@ -22,6 +25,18 @@ std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 4) & 0x10c30c30c30c30c3ull;
   x = (x | x << 2) & 0x1249249249249249ull;
   return x;
+}
+
+/// No two elements are equal, so the order is the same at any thread count.
+template <class T>
+void sort_side_by_side(int threads, std::vector<T>& all) {
+  const std::size_t n = all.size(), part = threads > 1 ? n / static_cast<std::size_t>(threads) + 1 : n;
+  const auto at = [&](std::size_t i) { return all.begin() + static_cast<std::ptrdiff_t>(std::min(i, n)); };
+  const std::size_t parts = (n + part - 1) / part;
+  for_each_index(threads, parts, [&](std::size_t k) { std::sort(at(k * part), at((k + 1) * part)); });
+  for (std::size_t width = part; width < n; width *= 2)
+    for_each_index(threads, (n + 2 * width - 1) / (2 * width),
+                   [&](std::size_t k) { std::inplace_merge(at(2 * k * width), at((2 * k + 1) * width), at((2 * k + 2) * width)); });
 }
 
 }  // namespace
@@ -38,7 +53,7 @@ std::uint64_t BroadPhase::key(int level, std::int64_t x, std::int64_t y, std::in
 }
 
 int BroadPhase::level_of(double reach) const {
-  return std::clamp(std::ilogb(reach / smallest_), 0, max_level);
+  return std::clamp(std::ilogb(reach / smallest_) / octaves, 0, max_level);
 }
 
 BroadPhase::Cell BroadPhase::cell_of(int level, const Vec3& centre) const {
@@ -85,7 +100,7 @@ void BroadPhase::enter(std::uint64_t key, const Ranks& ranks) {
   table_[h] = {key, ranks};
 }
 
-void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> reach, const PeriodicCell& cell) {
+void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> reach, const PeriodicCell& cell, int threads) {
   periodic_ = cell;
   ring_.clear();
   const std::size_t n = centre.size();
@@ -119,14 +134,20 @@ void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> rea
 
   constexpr std::int64_t far = std::numeric_limits<std::int64_t>::max() / 4;
   std::vector<Cell> lowest(largest_.size(), Cell{far, far, far}), highest(largest_.size(), Cell{-far, -far, -far});
-  for (std::size_t i = 0; i < n; ++i) {
+  cell_.resize(n);
+  for_each_index(threads, n, [&](std::size_t i) {
     const int level = level_of(reach[i]);
-    const Cell at = cell_of(level, periodic_.wrapped(centre[i]));
-    keyed_[i] = {key(level, at[0], at[1], at[2]), static_cast<std::int32_t>(i)};
-    Cell &low = lowest[static_cast<std::size_t>(level)], &high = highest[static_cast<std::size_t>(level)];
-    for (std::size_t k = 0; k < 3; ++k) low[k] = std::min(low[k], at[k]), high[k] = std::max(high[k], at[k]);
+    cell_[i] = cell_of(level, periodic_.wrapped(centre[i]));
+    keyed_[i] = {key(level, cell_[i][0], cell_[i][1], cell_[i][2]), static_cast<std::int32_t>(i)};
+  });
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto level = static_cast<std::size_t>(level_of(reach[i]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      lowest[level][k] = std::min(lowest[level][k], cell_[i][k]);
+      highest[level][k] = std::max(highest[level][k], cell_[i][k]);
+    }
   }
-  std::sort(keyed_.begin(), keyed_.end());
+  sort_side_by_side(threads, keyed_);
   lay_out_grids(lowest, highest);
   table_.clear();
 
@@ -144,7 +165,7 @@ void BroadPhase::build(std::span<const Vec3> centre, std::span<const double> rea
     if (grid.sparse) {
       enter(keyed_[first].first, ranks);
     } else {
-      const Cell at = cell_of(level, ball_[first].centre);
+      const Cell& at = cell_[static_cast<std::size_t>(keyed_[first].second)];
       dense_[grid.place(at[0], at[1], at[2])] = ranks;
     }
     first = last;

@@ -1,8 +1,8 @@
 #pragma once
 /// Pairs of balls that may touch, in time linear in their number for any mixture of sizes.
 ///
-/// A hierarchy of uniform grids: a ball goes into the grid whose cells are between one and two of its diameters wide, and
-/// looks for partners in its own and in all coarser grids. The balls are sorted by level and along a Morton curve. Along a
+/// A hierarchy of uniform grids: a ball goes into the grid whose cells are between one and four of its diameters wide, so that the
+/// grains of one powder share a grid and stay neighbours in the order; it looks for partners in its own and in all coarser grids. The balls are sorted by level and along a Morton curve. Along a
 /// periodic axis the cells of every grid divide the period, and the distance is that of the nearest images.
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ namespace repose::dvi {
 class BroadPhase {
  public:
   /// `reach`: radius of each ball, search margin included, > 0. Finite input only. `cell`: in the unit of the centres.
-  void build(std::span<const Vec3> centre, std::span<const double> reach, const PeriodicCell& cell = {});
+  void build(std::span<const Vec3> centre, std::span<const double> reach, const PeriodicCell& cell = {}, int threads = 1);
 
   /// The balls in spatial order.
   std::span<const std::int32_t> order() const { return order_; }
@@ -150,6 +150,7 @@ class BroadPhase {
   std::vector<std::array<Ring, 2>> ring_;  // per level, along x and y; empty if not periodic
   double smallest_ = 1;
   std::vector<double> inverse_cell_, largest_;  // per level
+  std::vector<Cell> cell_;     // by ball
   std::vector<std::int32_t> order_;
   std::vector<Grid> grid_;     // per level
   std::vector<Ranks> dense_;

@@ -21,6 +21,7 @@ constexpr double hopeless = 0.5;
 constexpr double negligible = 1e-2;  // of the tolerance
 // Momentum pays where impulses are handed through many contacts. A few contacts are solved at once without it.
 constexpr std::size_t many_contacts = 100;
+constexpr std::size_t worth_a_thread = 1000;  // contacts: fewer are not worth waking one for
 
 /// Watches the best residual; tells when it has stood still for too long.
 class StagnationWatch {
@@ -57,8 +58,7 @@ template <class Real>
 SolveReport solve_packed(const ConeProblem& problem, const SolverOptions& options, const Colouring& colouring,
                          std::span<Impulse> impulse, std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity,
                          Packed<Real>& room) {
-  // Few contacts are not worth waking a thread for.
-  const int threads = problem.contacts.size() < 1000 ? 1 : options.threads;
+  const int threads = problem.contacts.size() < worth_a_thread ? 1 : options.threads;
   PackedProblem<Real>& packed = room.problem;
   pack<Real>(problem, colouring, impulse, threads, packed);
   renew_friction(packed, problem, threads);
@@ -147,7 +147,7 @@ SolveReport solve(const ConeProblem& problem, const SolverOptions& options, std:
   velocity = problem.velocity;
   angular_velocity = problem.angular_velocity;
   if (problem.contacts.empty()) return {};
-  const Colouring colouring = colour_contacts(problem);
+  const Colouring colouring = colour_contacts(problem, problem.contacts.size() < worth_a_thread ? 1 : options.threads);
   if (problem.contacts.size() > single_precision_above && options.tolerance >= 1e-5)
     return solve_packed<float>(problem, options, colouring, impulse, velocity, angular_velocity, room.space().coarse);
   return solve_packed<double>(problem, options, colouring, impulse, velocity, angular_velocity, room.space().fine);

@@ -8,6 +8,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr int max_passes = 4;            // over one block, within one visit
+constexpr int hasty_passes = 1;          // where contacts are so many that a sweep waits for memory: the next one finds the rest
 constexpr double block_tolerance = 0.3;  // of the first change: the next sweep finds the rest
 
 template <class Real>
@@ -56,7 +57,7 @@ template <class Real>
 
 /// Solves the block for g, given u at g. Both are updated.
 template <class Real, bool Rotational>
-[[gnu::always_inline]] inline void solve_block_exact(const Batch<Real>& c, V<Real>* g, V<Real>* u) {
+[[gnu::always_inline]] inline void solve_block_exact(const Batch<Real>& c, int passes, V<Real>* g, V<Real>* u) {
   constexpr int rows = Rotational ? 6 : 3;
   const V<Real> zero{};
   const V<Real> inverse_n = Real(1) / c.w[block_index(0, 0)];
@@ -71,7 +72,7 @@ template <class Real, bool Rotational>
   // two values for ever: each swing that does not fade halves its step.
   V<Real> first{}, before{}, share = fill<Real>(1);
   const V<Real> half = fill<Real>(Real(0.5));
-  for (int pass = 0; pass < max_passes; ++pass) {
+  for (int pass = 0; pass < passes; ++pass) {
     const V<Real> p_old = g[0] + c.cohesion;
     V<Real> p = p_old - inverse_n * u[0];
     p = p > zero ? p : zero;
@@ -104,14 +105,14 @@ template <class Real, bool Rotational>
 }
 
 template <class Real, bool Rotational>
-[[gnu::always_inline]] inline void solve_block_relaxed(const Batch<Real>& c, V<Real>* g, V<Real>* u) {
+[[gnu::always_inline]] inline void solve_block_relaxed(const Batch<Real>& c, int passes, V<Real>* g, V<Real>* u) {
   constexpr int rows = Rotational ? 6 : 3;
   // The trace bounds the largest eigenvalue of a positive semidefinite block.
   V<Real> trace{};
 #pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) trace += c.w[block_index(k, k)];
   const V<Real> inverse = Real(1) / trace;
-  for (int pass = 0; pass < max_passes; ++pass) {
+  for (int pass = 0; pass < passes; ++pass) {
     V<Real> x[6];
 #pragma GCC unroll 6
     for (int k = 0; k < rows; ++k) x[k] = g[k] - inverse * u[k];
@@ -126,7 +127,7 @@ template <class Real, bool Rotational>
 }
 
 template <class Real, bool Rotational, bool Exact>
-void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
+void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation, int passes) {
   Batch<Real>& c = packed.batches[batch];
   constexpr int rows = Rotational ? 6 : 3;
   V<Real> va[3], wa[3], vb[3], wb[3], t2[3], u[6], g[6], force[3], couple[3], mass, lift, inertia[6];
@@ -139,9 +140,9 @@ void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
 #pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) g[k] = c.impulse[k];
   if constexpr (Exact) {
-    solve_block_exact<Real, Rotational>(c, g, u);
+    solve_block_exact<Real, Rotational>(c, passes, g, u);
   } else {
-    solve_block_relaxed<Real, Rotational>(c, g, u);
+    solve_block_relaxed<Real, Rotational>(c, passes, g, u);
   }
 #pragma GCC unroll 6
   for (int k = 0; k < rows; ++k) g[k] = c.impulse[k] + relaxation * (g[k] - c.impulse[k]);
@@ -162,18 +163,13 @@ void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation) {
 
 template <class Real, bool Rotational, bool Exact>
 void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, Momentum<Real>* momentum, int threads) {
+  const int passes = Exact && packed.blocks() > 0 ? hasty_passes : max_passes;
   on_team(threads, [&] {
     for (int s = 0; s < sweeps; ++s) {
-      for (int colour = 0; colour < packed.colours(); ++colour) {
-        const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
-        const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
-#pragma omp for schedule(static)
-        for (std::int32_t k = first; k < last; ++k) {
-          const auto i = static_cast<std::size_t>(k);
-          if (momentum != nullptr) momentum->move_on(packed.batches[i], i, Rotational ? 6 : 3);
-          visit<Real, Rotational, Exact>(packed, i, relaxation);
-        }
-      }
+      each_batch(packed, [&](std::size_t i) {
+        if (momentum != nullptr) momentum->move_on(packed.batches[i], i, Rotational ? 6 : 3);
+        visit<Real, Rotational, Exact>(packed, i, relaxation, passes);
+      });
       if (momentum == nullptr) continue;
       const bool move = s + 1 < sweeps;  // what is handed out stays in the cones
 #pragma omp for schedule(static)

@@ -95,6 +95,9 @@ void pack(const ConeProblem& problem, const Colouring& colouring, std::span<cons
     const auto n = colouring.start[static_cast<std::size_t>(k) + 1] - colouring.start[static_cast<std::size_t>(k)];
     packed.colour_start.push_back(packed.colour_start.back() + (n + lanes - 1) / lanes);
   }
+  packed.block_start.clear();
+  for (const std::int32_t colour : colouring.block) packed.block_start.push_back(packed.colour_start[static_cast<std::size_t>(colour)]);
+  packed.first_between = colouring.block.back();
   resize_sparingly(packed.batches, static_cast<std::size_t>(packed.colour_start.back()));
   packed.contact.assign(packed.batches.size() * lanes, -1);
   for (int k = 0; k < colouring.colours(); ++k) {
@@ -173,27 +176,21 @@ void accumulate_velocities(PackedProblem<Real>& packed, const ConeProblem& probl
   });
   with_rows(packed, [&](auto rotational) {
     constexpr bool rows = decltype(rotational)::value;
-    for (int colour = 0; colour < packed.colours(); ++colour) {
-      const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
-      const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];
-      on_team(threads, [&] {
-#pragma omp for schedule(static)
-        for (std::int32_t i = first; i < last; ++i) {
-          const Batch<Real>& c = packed.batches[static_cast<std::size_t>(i)];
-          Lanes<Real> t2[3], force[3], couple[3], mass, lift, inertia[6], v[3], w[3];
-          second_tangent<Real>(c, t2);
-          wrench<Real, rows>(c, t2, packed.across, c.impulse, force, couple);
-          for (int side = 0; side < 2; ++side) {
-            const std::int32_t* index = side == 0 ? c.a : c.b;
-            gather_velocity<Real>(packed.velocity.data(), index, v, w);
-            gather_inverse<Real>(packed.inverse.data(), index, mass, lift, inertia);
-            apply_wrench<Real>(side == 0 ? Real(-1) : Real(1), side == 0 ? c.arm_a : c.arm_b, mass, lift, inertia, force, couple,
-                               v, w);
-            scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, index, v, w);
-          }
+    on_team(threads, [&] {
+      each_batch(packed, [&](std::size_t i) {
+        const Batch<Real>& c = packed.batches[i];
+        Lanes<Real> t2[3], force[3], couple[3], mass, lift, inertia[6], v[3], w[3];
+        second_tangent<Real>(c, t2);
+        wrench<Real, rows>(c, t2, packed.across, c.impulse, force, couple);
+        for (int side = 0; side < 2; ++side) {
+          const std::int32_t* index = side == 0 ? c.a : c.b;
+          gather_velocity<Real>(packed.velocity.data(), index, v, w);
+          gather_inverse<Real>(packed.inverse.data(), index, mass, lift, inertia);
+          apply_wrench<Real>(side == 0 ? Real(-1) : Real(1), side == 0 ? c.arm_a : c.arm_b, mass, lift, inertia, force, couple, v, w);
+          scatter_velocity<Real>(packed.velocity.data(), packed.dynamic_bodies, index, v, w);
         }
       });
-    }
+    });
   });
 }
 

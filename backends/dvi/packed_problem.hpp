@@ -1,6 +1,6 @@
 #pragma once
-/// A cone problem laid out for speed: contacts in batches of one vector register, colour after colour, bodies as two cache
-/// lines each. The kernels of all solvers work on it.
+/// A cone problem laid out for speed: contacts in batches of one vector register, colour after colour (of the blocks, then those
+/// between blocks: colouring.hpp), bodies as two cache lines each. The kernels of all solvers work on it.
 ///
 /// Notation: g impulse, u relative velocity (rows of cone_problem.hpp), W = J M^-1 J' the 6 x 6 block of one contact.
 #include <cstdint>
@@ -56,6 +56,8 @@ struct PackedProblem {
   std::vector<BodyInverse<Real>> inverse;
   std::vector<Batch<Real>> batches;
   std::vector<std::int32_t> colour_start;     ///< of each colour in `batches`, plus the end
+  std::vector<std::int32_t> block_start;      ///< of each block in `batches`, plus the end of the last
+  int first_between = 0;                      ///< first colour of the contacts between blocks
   std::vector<std::int32_t> contact;          ///< contact of each lane of each batch, -1: padding
   std::vector<OneLane<Real>> compliance;      ///< of each batch; empty if all contacts are rigid
   Real across = 1;                            ///< ConeProblem::across: row 2 is that of across * (second tangent)
@@ -63,6 +65,7 @@ struct PackedProblem {
   double kinetic_scale = 0;                   ///< sqrt(sum m v^2) of the free motion [sqrt(J)]
 
   int colours() const { return static_cast<int>(colour_start.size()) - 1; }
+  int blocks() const { return static_cast<int>(block_start.size()) - 1; }
   std::size_t bytes() const;                  ///< of the arrays above
   std::size_t padded_contacts() const { return batches.size() * static_cast<std::size_t>(lanes); }
 };

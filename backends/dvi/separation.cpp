@@ -1,8 +1,14 @@
 #include "backends/dvi/separation.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "backends/dvi/body_blocks.hpp"
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -10,52 +16,91 @@ namespace {
 
 constexpr int max_sweeps = 60;
 constexpr double unnoticed = 0.1;  // of the slop: how far a body moves before its contacts are looked at again
+constexpr int plain_sweeps = 3;     // pairs by themselves are done after one, exactly
+constexpr double relaxation = 1.6;  // of later sweeps over many bodies: what they hand on from one to the next takes half as many
 
 Vec3 multiply(const std::array<double, 6>& m, const Vec3& x) {
   return {m[0] * x.x() + m[1] * x.y() + m[2] * x.z(), m[1] * x.x() + m[3] * x.y() + m[4] * x.z(),
           m[2] * x.x() + m[4] * x.y() + m[5] * x.z()};
 }
 
-/// The contacts that are to be visited, in their order. One that is added behind the place of the sweep waits for the next.
+/// The places of contacts that are to be visited, in their order. One that is added behind the place of the sweep waits for the next.
 class ToVisit {
  public:
-  explicit ToVisit(std::size_t contacts) : word_((contacts + 63) / 64, 0) {}
+  explicit ToVisit(std::size_t places) : word_((places + per_word - 1) / per_word, 0) {}
 
-  void add(std::size_t contact) {
-    std::uint64_t& word = word_[contact / 64];
-    const std::uint64_t bit = std::uint64_t{1} << contact % 64;
-    waiting_ += (word & bit) == 0;
-    word |= bit;
+  static constexpr std::size_t per_word = 64;
+
+  void add(std::size_t place) { word_[place / per_word] |= bit_of(place); }
+  /// For places that several threads may add at once, while none visits them.
+  void add_together(std::size_t place) { std::atomic_ref(word_[place / per_word]).fetch_or(bit_of(place), std::memory_order_relaxed); }
+  bool any() const {
+    return std::any_of(word_.begin(), word_.end(), [](std::uint64_t word) { return word != 0; });
   }
-  bool any() const { return waiting_ > 0; }
 
-  /// Once through those that wait; what is visited is taken out before.
+  /// Once through those that wait from `first` to before `last`, both at the start of a word; what is visited is taken out before.
   template <class Visit>
-  void sweep(Visit&& visit) {
-    for (std::size_t w = 0; w < word_.size(); ++w) {
+  void sweep(std::size_t first, std::size_t last, Visit&& visit) {
+    for (std::size_t w = first / per_word; w < (last + per_word - 1) / per_word; ++w) {
       std::uint64_t ahead = ~std::uint64_t{0};
       while (const std::uint64_t left = word_[w] & ahead) {
-        const int bit = std::countr_zero(left);
-        ahead = bit == 63 ? 0 : ~std::uint64_t{0} << (bit + 1);
+        const auto bit = static_cast<std::size_t>(std::countr_zero(left));
+        ahead = bit == per_word - 1 ? 0 : ~std::uint64_t{0} << (bit + 1);
         word_[w] &= ~(std::uint64_t{1} << bit);
-        --waiting_;
-        visit(64 * w + static_cast<std::size_t>(bit));
+        visit(per_word * w + bit);
       }
     }
   }
 
  private:
+  static std::uint64_t bit_of(std::size_t place) { return std::uint64_t{1} << place % per_word; }
+
   std::vector<std::uint64_t> word_;
-  std::size_t waiting_ = 0;
 };
 
-/// The contacts of each body, in chains.
-class ContactsOfBodies {
+/// Every contact has a place: those within a block of bodies side by side, then those between blocks. Blocks begin at a word of ToVisit,
+/// so there are places without a contact.
+struct Places {
+  static constexpr std::int32_t none = -1;
+  std::vector<std::int32_t> contact;  ///< by place
+  std::vector<std::size_t> start;     ///< of each block; then of the contacts between blocks
+
+  Places(const ConeProblem& problem, int threads) {
+    const std::size_t n = problem.contacts.size();
+    const BodyBlocks blocks(problem.dynamic_bodies);
+    start.assign(static_cast<std::size_t>(blocks.count()) + 1, 0);
+    if (blocks.count() == 0) {
+      contact.resize(n);
+      std::iota(contact.begin(), contact.end(), 0);
+      return;
+    }
+    std::vector<std::int32_t> block(n);
+    for_each_index(threads, n, [&](std::size_t i) { block[i] = blocks.of(problem.contacts[i]); });
+    std::vector<std::size_t> next(start.size(), 0);
+    for (const std::int32_t of : block) ++next[static_cast<std::size_t>(of)];
+    std::size_t end = 0;
+    for (std::size_t k = 0; k < next.size(); ++k) {
+      start[k] = (end + ToVisit::per_word - 1) / ToVisit::per_word * ToVisit::per_word;
+      end = start[k] + std::exchange(next[k], start[k]);
+    }
+    contact.assign(end, none);
+    for (std::size_t i = 0; i < n; ++i) contact[next[static_cast<std::size_t>(block[i])]++] = static_cast<std::int32_t>(i);
+  }
+
+  std::size_t size() const { return contact.size(); }
+  std::size_t blocks() const { return start.size() - 1; }
+  std::size_t first_between() const { return start.back(); }
+};
+
+/// The places of the contacts of each body, in chains.
+class PlacesOfBodies {
  public:
-  explicit ContactsOfBodies(const ConeProblem& problem) : first_(problem.velocity.size(), none), next_(2 * problem.contacts.size()) {
-    for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
-      add(problem.contacts[i].a, 2 * i);
-      add(problem.contacts[i].b, 2 * i + 1);
+  PlacesOfBodies(const ConeProblem& problem, const Places& places) : first_(problem.velocity.size(), none), next_(2 * places.size()) {
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      if (places.contact[p] == Places::none) continue;
+      const ConeContact& c = problem.contacts[static_cast<std::size_t>(places.contact[p])];
+      add(c.a, 2 * p);
+      add(c.b, 2 * p + 1);
     }
   }
 
@@ -73,23 +118,27 @@ class ContactsOfBodies {
     first = static_cast<std::uint32_t>(end);
   }
 
-  std::vector<std::uint32_t> first_;  ///< by body: an end of a contact; contact i has the ends 2 i and 2 i + 1
+  std::vector<std::uint32_t> first_;  ///< by body: an end of a contact; the one at place p has the ends 2 p and 2 p + 1
   std::vector<std::uint32_t> next_;   ///< by end: the next one at the same body
 };
 
 }  // namespace
 
-int push_apart(const ConeProblem& problem, std::span<const double> gap, double slop, std::vector<Displacement>& out) {
+int push_apart(const ConeProblem& problem, std::span<const double> gap, double slop, int threads, std::vector<Displacement>& out) {
   out.assign(problem.velocity.size(), {});
   const std::size_t n = problem.contacts.size();
   const auto deep = [&](std::size_t i) { return gap[i] < -slop * problem.contacts[i].arm; };
-  // Only contacts that are deep, or whose bodies have moved since they were looked at, can change anything.
-  ToVisit to_visit(n);
-  for (std::size_t i = 0; i < n; ++i)
-    if (deep(i)) to_visit.add(i);
-  if (!to_visit.any()) return 0;
+  bool any_deep = false;
+  for (std::size_t i = 0; i < n && !any_deep; ++i) any_deep = deep(i);
+  if (!any_deep) return 0;
 
-  const ContactsOfBodies contacts(problem);
+  const Places places(problem, threads);
+  const PlacesOfBodies places_of(problem, places);
+  // Only contacts that are deep, or whose bodies have moved since they were looked at, can change anything.
+  ToVisit to_visit(places.size());
+  for (std::size_t p = 0; p < places.size(); ++p)
+    if (places.contact[p] != Places::none && deep(static_cast<std::size_t>(places.contact[p]))) to_visit.add(p);
+
   std::vector<double> multiplier(n, 0.0);
   std::vector<double> moved(problem.velocity.size(), 0.0);  // since its contacts were told
   const auto move = [&](std::size_t body, const Vec3& shift, const Vec3& turn, const ConeContact& by, const Vec3& arm) {
@@ -99,31 +148,45 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
     moved[body] += shift.norm() + turn.norm() * arm.norm();
     if (moved[body] <= unnoticed * slop * by.arm) return;
     moved[body] = 0;
-    contacts.each_of(body, [&](std::size_t i) { to_visit.add(i); });
+    places_of.each_of(body, [&](std::size_t place) {
+      if (place < places.first_between())
+        to_visit.add(place);
+      else
+        to_visit.add_together(place);
+    });
+  };
+  const auto visit = [&](std::size_t place, double factor) {
+    const auto i = static_cast<std::size_t>(places.contact[place]);
+    const ConeContact& c = problem.contacts[i];
+    const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
+    const double target = -0.5 * slop * c.arm;
+    const Vec3 turn_a = c.arm_a.cross(c.normal), turn_b = c.arm_b.cross(c.normal);
+    const double now =
+        gap[i] + c.normal.dot(out[b].shift - out[a].shift) + turn_b.dot(out[b].turn) - turn_a.dot(out[a].turn);
+    const Vec3 response_a = multiply(problem.inverse_mass[a].inertia, turn_a);
+    const Vec3 response_b = multiply(problem.inverse_mass[b].inertia, turn_b);
+    const double w =
+        problem.inverse_mass[a].mass + problem.inverse_mass[b].mass + turn_a.dot(response_a) + turn_b.dot(response_b);
+    if (!(w > 0)) return;
+    // Gaps that stand between target and zero are no reason to push; gaps that were deep go to the target.
+    const double goal = std::min(target, deep(i) ? target : gap[i]);
+    const double before = multiplier[i];
+    multiplier[i] = std::max(0.0, before + factor * (goal - now) / w);
+    const double d = multiplier[i] - before;
+    if (d == 0) return;
+    move(a, -problem.inverse_mass[a].mass * d * c.normal, -d * response_a, c, c.arm_a);
+    move(b, problem.inverse_mass[b].mass * d * c.normal, d * response_b, c, c.arm_b);
   };
   int sweep = 0;
-  for (; to_visit.any() && sweep < max_sweeps; ++sweep) {
-    to_visit.sweep([&](std::size_t i) {
-      const ConeContact& c = problem.contacts[i];
-      const auto a = static_cast<std::size_t>(c.a), b = static_cast<std::size_t>(c.b);
-      const double target = -0.5 * slop * c.arm;
-      const Vec3 turn_a = c.arm_a.cross(c.normal), turn_b = c.arm_b.cross(c.normal);
-      const double now = gap[i] + c.normal.dot(out[b].shift - out[a].shift) + turn_b.dot(out[b].turn) -
-                         turn_a.dot(out[a].turn);
-      const Vec3 response_a = multiply(problem.inverse_mass[a].inertia, turn_a);
-      const Vec3 response_b = multiply(problem.inverse_mass[b].inertia, turn_b);
-      const double w = problem.inverse_mass[a].mass + problem.inverse_mass[b].mass + turn_a.dot(response_a) +
-                       turn_b.dot(response_b);
-      if (!(w > 0)) return;
-      // Gaps that stand between target and zero are no reason to push; gaps that were deep go to the target.
-      const double goal = std::min(target, deep(i) ? target : gap[i]);
-      const double before = multiplier[i];
-      multiplier[i] = std::max(0.0, before + (goal - now) / w);
-      const double d = multiplier[i] - before;
-      if (d == 0) return;
-      move(a, -problem.inverse_mass[a].mass * d * c.normal, -d * response_a, c, c.arm_a);
-      move(b, problem.inverse_mass[b].mass * d * c.normal, d * response_b, c, c.arm_b);
-    });
+  for (; sweep < max_sweeps && to_visit.any(); ++sweep) {
+    const double factor = sweep < plain_sweeps || places.blocks() == 0 ? 1.0 : relaxation;
+    const auto visit_from = [&](std::size_t first, std::size_t last) {
+      to_visit.sweep(first, last, [&](std::size_t place) { visit(place, factor); });
+    };
+    if (places.blocks() > 0)
+      for_each_index_as_it_comes(threads, places.blocks(),
+                                 [&](std::size_t k) { visit_from(places.start[k], places.start[k + 1]); });
+    visit_from(places.first_between(), places.size());
   }
   return sweep;
 }

@@ -33,6 +33,15 @@ void for_each_index(int threads, std::size_t n, Work&& work) {
   });
 }
 
+/// The same where some take much longer than others.
+template <class Work>
+void for_each_index_as_it_comes(int threads, std::size_t n, Work&& work) {
+  on_team(threads, [&] {
+#pragma omp for schedule(dynamic)
+    for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(n); ++i) work(static_cast<std::size_t>(i));
+  });
+}
+
 /// What each block of indices below n gives by gather(first, last), in order: the same at any thread count.
 template <class Gather>
 auto by_blocks(int threads, std::size_t n, Gather&& gather) {

@@ -67,6 +67,7 @@ class WorldDvi final : public World {
     if (second_order()) find_smooth(found, h);
     advance(h);
     bodies_.time += dt;
+    pushed_.clear();
     for (int round = 0; round < separation_rounds && !laws_.compliant() && push_overlaps_apart();) ++round;
     wrap();
     return report;
@@ -315,44 +316,47 @@ class WorldDvi final : public World {
 
   /// What the linear step left of overlap (turning bodies, curved tools, the solver's tolerance) is measured by geometry at
   /// the new positions and taken away there. Returns whether it was deep enough to look again, because the correction is
-  /// linear too.
+  /// linear too: then only at the bodies that it has moved.
   bool push_overlaps_apart() {
     const std::size_t n = bodies_.count();
+    const bool again = !pushed_.empty();
     resting_.resize(n, Vec3::Zero());
-    for_each_index(options_.threads, n, [&](std::size_t i) { rotation_[i] = bodies_.orientation[i].toRotationMatrix(); });
-    const std::vector<FoundContact>& found =
-        finder_.find_again(placement(resting_, resting_), options_.threads);
+    for_each_index(options_.threads, n, [&](std::size_t i) {
+      if (!again || pushed_[i] != 0) rotation_[i] = bodies_.orientation[i].toRotationMatrix();
+    });
+    const std::vector<FoundContact>& found = finder_.find_again(placement(resting_, resting_), options_.threads, pushed_);
     const double deepest =  // over R*
         most_of(options_.threads, found.size(), [&](std::size_t i) { return -found[i].point.gap / arm_of(found[i]); });
     if (deepest <= penetration_slop) return false;
     // The contact problem of this step has been solved and told: its room serves again.
-    problem_.dynamic_bodies = static_cast<std::int32_t>(n);
-    problem_.velocity.resize(n);
-    problem_.inverse_mass.resize(n);
     for_each_index(options_.threads, n, [&](std::size_t i) {
-      problem_.velocity[i] = Vec3::Zero();
-      problem_.inverse_mass[i] = {};
+      if (again && pushed_[i] == 0) return;
+      InverseMass& inverse_mass = problem_.inverse_mass[static_cast<std::size_t>(slot_[i])];
+      inverse_mass = {};
       if (!bodies_.dynamic[i]) return;
-      problem_.inverse_mass[i].mass = 1 / bodies_.mass[i];
-      const Mat3 world = rotated(rotation_[i], bodies_.inertia[i].cwiseInverse());
-      problem_.inverse_mass[i].inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
+      inverse_mass.mass = 1 / bodies_.mass[i];
+      const Vec3 inverse = bodies_.inertia[i].cwiseInverse();
+      const Mat3 world = bodies_.isotropic[i] ? Mat3(inverse.x() * Mat3::Identity()) : rotated(rotation_[i], inverse);
+      inverse_mass.inertia = {world(0, 0), world(0, 1), world(0, 2), world(1, 1), world(1, 2), world(2, 2)};
     });
     resize_sparingly(problem_.contacts, found.size());
     resize_sparingly(gap_, found.size());
     for_each_index(options_.threads, found.size(), [&](std::size_t i) {
       ConeContact& c = problem_.contacts[i];
-      c.a = found[i].id.a();
-      c.b = found[i].id.b();
+      c.a = slot_[static_cast<std::size_t>(found[i].id.a())];
+      c.b = slot_[static_cast<std::size_t>(found[i].id.b())];
       c.normal = found[i].point.normal;
-      c.arm_a = found[i].point.point - bodies_.position[static_cast<std::size_t>(c.a)];
+      c.arm_a = found[i].point.point - bodies_.position[static_cast<std::size_t>(found[i].id.a())];
       c.arm_b = found[i].point.point - place_beside(found[i].id);
       c.arm = arm_of(found[i]);
       gap_[i] = found[i].point.gap;
     });
-    push_apart(problem_, gap_, penetration_slop, displacement_);
+    push_apart(problem_, gap_, penetration_slop, options_.threads, displacement_);
+    pushed_.resize(n);
     for_each_index(options_.threads, n, [&](std::size_t i) {
-      const Displacement& pushed = displacement_[i];
-      if (!bodies_.dynamic[i] || (pushed.shift.isZero(0) && pushed.turn.isZero(0))) return;
+      const Displacement& pushed = displacement_[static_cast<std::size_t>(slot_[i])];
+      pushed_[i] = bodies_.dynamic[i] && !(pushed.shift.isZero(0) && pushed.turn.isZero(0));
+      if (pushed_[i] == 0) return;
       bodies_.position[i] += pushed.shift;
       bodies_.turn(i, pushed.turn);
     });
@@ -439,6 +443,7 @@ class WorldDvi final : public World {
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
   std::vector<Vec3> resting_;  // zeros
+  std::vector<char> pushed_;   // by body: moved by the last correction of this step; empty before the first
   std::vector<double> gap_;
   std::vector<Displacement> displacement_;
 };

@@ -207,7 +207,7 @@ Case tiled(const Case& tile, int copies) {
 void sweep_cost(const Case& tile, const std::string& rows, const std::vector<int>& copies) {
   for (const int k : copies) {
     const Case c = tiled(tile, k);
-    const Colouring colouring = colour_contacts(c.problem);
+    const Colouring colouring = colour_contacts(c.problem, 1);
     for (const int threads : {1, 2}) {
       PackedProblem<float> packed;
       pack<float>(c.problem, colouring, c.warm, threads, packed);

@@ -77,19 +77,22 @@ double beverloo(double outlet, double fraction) {
 
 TEST_P(Hopper, FlowFollowsBeverlooAndNotTheFillHeight) {
   // Grains leave one by one, through arches that form and break: the flow of a hundred grains in a row varies by 5 to 8
-  // % (standard deviation), that of 250 by 3 to 5 %, and one filling flows up to 5 % faster than another. Two are
-  // averaged; what is left of scatter in the ratio of an early to a late flow is 3 to 5 %.
+  // % (standard deviation), that of 250 by 3 to 5 %, and fillings differ by 3 to 4 %. On DVI eight are averaged: the mean stands
+  // 11 to 12 % below the law, known to 1 %, which two fillings took past 15 % now and then. The others take longer.
+  const std::vector<unsigned> fillings =
+      GetParam() == "dvi" ? std::vector<unsigned>{1, 2, 3, 4, 5, 6, 7, 9} : std::vector<unsigned>{1, 9};
+  const auto share = 1 / static_cast<double>(fillings.size());
   const double h = 2e-3;
   const double outlets[] = {5 * d, 6.5 * d};
   double measured[2] = {}, fraction[2] = {}, late[2] = {};
   for (int k = 0; k < 2; ++k) {
     const std::string name = "hopper, D = " + std::to_string(outlets[k] / d).substr(0, 3) + " d";
-    for (const unsigned seed : {1u, 9u}) {
+    for (const unsigned seed : fillings) {
       const Discharge flow = discharge(GetParam(), outlets[k], h, seed);
       ASSERT_GE(flow.left.back(), to) << "the hole is blocked";
-      measured[k] += rate(flow.left, from, to, h) / 2;
-      late[k] += rate(flow.left, half, to, h) / rate(flow.left, from, half, h) / 2;
-      fraction[k] += flow.fraction / 2;
+      measured[k] += share * rate(flow.left, from, to, h);
+      late[k] += share * rate(flow.left, half, to, h) / rate(flow.left, from, half, h);
+      fraction[k] += share * flow.fraction;
       note(name + ", filling " + std::to_string(seed) + ": height of the fill at the end / D",
            flow.height / outlets[k]);
       EXPECT_GT(flow.height, 1.2 * outlets[k]);

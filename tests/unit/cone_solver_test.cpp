@@ -237,7 +237,7 @@ TEST(Colouring, NoTwoContactsOfAColourShareADynamicBody) {
     c.b = static_cast<std::int32_t>(i % (problem.dynamic_bodies - 1)) + 1;
     problem.contacts.push_back(c);
   }
-  const Colouring colouring = colour_contacts(problem);
+  const Colouring colouring = colour_contacts(problem, 2);
   std::vector<int> seen(problem.contacts.size());
   for (int k = 0; k < colouring.colours(); ++k) {
     std::vector<char> used(problem.velocity.size(), 0);
@@ -252,6 +252,74 @@ TEST(Colouring, NoTwoContactsOfAColourShareADynamicBody) {
     }
   }
   for (int times : seen) EXPECT_EQ(times, 1);
+}
+
+/// A line of balls that touch, on a floor, all pressed to the left as well.
+ConeProblem long_row(std::int32_t balls) {
+  ConeProblem problem;
+  problem.dynamic_bodies = balls;
+  problem.velocity.assign(static_cast<std::size_t>(balls) + 1, Vec3::Zero());
+  problem.angular_velocity.assign(static_cast<std::size_t>(balls) + 1, Vec3::Zero());
+  problem.inverse_mass.assign(static_cast<std::size_t>(balls) + 1, {});
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> push(-1, 1);
+  for (std::int32_t i = 0; i < balls; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    problem.inverse_mass[at].mass = 1;
+    problem.inverse_mass[at].inertia = {2.5, 0, 0, 2.5, 0, 2.5};
+    problem.velocity[at] = {push(random), 0.3 * push(random), -1};
+    ConeContact c;
+    c.a = i;
+    c.b = balls;  // the floor
+    c.normal = -Vec3::UnitZ();
+    c.arm_a = -Vec3::UnitZ();
+    c.friction = 0.5;
+    c.rolling = 0.1;
+    problem.contacts.push_back(c);
+    if (i + 1 == balls) break;
+    c.b = i + 1;
+    c.normal = Vec3::UnitX();
+    c.arm_a = Vec3::UnitX();
+    c.arm_b = -Vec3::UnitX();
+    problem.contacts.push_back(c);
+  }
+  return problem;
+}
+
+TEST(Colouring, BlocksShareNoDynamicBody) {
+  const ConeProblem problem = long_row(40000);
+  const Colouring colouring = colour_contacts(problem, 3);
+  ASSERT_GT(colouring.blocks(), 1);
+  std::vector<int> block_of_body(static_cast<std::size_t>(problem.dynamic_bodies), -1);
+  for (int block = 0; block < colouring.blocks(); ++block)
+    for (std::int32_t at = colouring.start[std::size_t(colouring.block[std::size_t(block)])];
+         at < colouring.start[std::size_t(colouring.block[std::size_t(block) + 1])]; ++at) {
+      const ConeContact& c = problem.contacts[std::size_t(colouring.order[std::size_t(at)])];
+      for (const std::int32_t body : {c.a, c.b}) {
+        if (body >= problem.dynamic_bodies) continue;
+        int& of = block_of_body[std::size_t(body)];
+        EXPECT_TRUE(of == -1 || of == block) << "body " << body;
+        of = block;
+      }
+    }
+  // In a row, all contacts but those at the ends of blocks are within one.
+  const auto first_between = static_cast<std::size_t>(colouring.start[std::size_t(colouring.block.back())]);
+  EXPECT_EQ(problem.contacts.size() - first_between, static_cast<std::size_t>(colouring.blocks() - 1));
+}
+
+TEST(ConeSolver, BlocksGiveTheSameBitsAtAnyThreadCountAndSolve) {
+  const ConeProblem problem = long_row(40000);
+  SolverOptions options;
+  options.tolerance = 1e-4;
+  options.max_iterations = 3000;
+  options.threads = 1;
+  const Solution one = solved(problem, options);
+  options.threads = 3;
+  const Solution three = solved(problem, options);
+  ASSERT_TRUE(one.report.converged) << one.report.residual;
+  EXPECT_LT(scalar_residual(problem, one), 3e-4);
+  for (std::size_t i = 0; i < one.velocity.size(); ++i) EXPECT_EQ(one.velocity[i], three.velocity[i]) << "body " << i;
+  for (std::size_t i = 0; i < one.impulse.size(); ++i) EXPECT_EQ(one.impulse[i], three.impulse[i]) << "contact " << i;
 }
 
 }  // namespace

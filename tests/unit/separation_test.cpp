@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "backends/dvi/body_blocks.hpp"
+
 namespace repose::dvi {
 namespace {
 
@@ -49,14 +51,14 @@ double gap_after(const Row& row, const std::vector<Displacement>& moved, std::si
 TEST(Separation, ShallowOverlapIsLeftAlone) {
   const Row row = row_of({-0.9 * slop * 0.5, 0.1});
   std::vector<Displacement> moved;
-  EXPECT_EQ(push_apart(row.problem, row.gap, slop, moved), 0);
+  EXPECT_EQ(push_apart(row.problem, row.gap, slop, 1, moved), 0);
   for (const Displacement& d : moved) EXPECT_TRUE(d.shift.isZero(0));
 }
 
 TEST(Separation, TwoBallsShareTheWay) {
   const Row row = row_of({-0.01});
   std::vector<Displacement> moved;
-  push_apart(row.problem, row.gap, slop, moved);
+  push_apart(row.problem, row.gap, slop, 1, moved);
   const double way = 0.01 - 0.25 * slop;  // up to half the slop, of an arm of a half
   EXPECT_NEAR(moved[1].shift.x(), 0.5 * way, 1e-15);
   EXPECT_NEAR(moved[0].shift.x(), -0.5 * way, 1e-15);
@@ -65,7 +67,7 @@ TEST(Separation, TwoBallsShareTheWay) {
 TEST(Separation, ABodyWithoutInverseMassStays) {
   const Row row = row_of({-0.01, 0.3}, true);
   std::vector<Displacement> moved;
-  push_apart(row.problem, row.gap, slop, moved);
+  push_apart(row.problem, row.gap, slop, 1, moved);
   EXPECT_TRUE(moved[0].shift.isZero(0));
   EXPECT_NEAR(moved[1].shift.x(), 0.01 - 0.25 * slop, 1e-15);
 }
@@ -74,7 +76,7 @@ TEST(Separation, NeighboursGiveWayAndTheRestStays) {
   // Balls 0 to 3 touch in a row, one pair of them deep; 4 and 5 stand apart from them and touch each other.
   const Row row = row_of({0, -0.02, 0, 0.5, 0});
   std::vector<Displacement> moved;
-  EXPECT_GT(push_apart(row.problem, row.gap, slop, moved), 1);
+  EXPECT_GT(push_apart(row.problem, row.gap, slop, 1, moved), 1);
   for (std::size_t i = 0; i < row.gap.size(); ++i) EXPECT_GE(gap_after(row, moved, i), -slop * 0.5) << "contact " << i;
   EXPECT_LT(moved[0].shift.x(), 0);
   EXPECT_GT(moved[3].shift.x(), 0);
@@ -109,12 +111,30 @@ TEST(Separation, VisitsWhatFullSweepsWouldChange) {
     for (double& g : gaps) g = gap(random);
     const Row row = row_of(gaps);
     std::vector<Displacement> moved;
-    EXPECT_LT(push_apart(row.problem, row.gap, slop, moved), 60);
+    EXPECT_LT(push_apart(row.problem, row.gap, slop, 1, moved), 60);
     const std::vector<double> wanted = shifts_by_full_sweeps(row);
     // A shallow contact keeps its gap up to slop, and both of its bodies may have moved by a tenth of that unnoticed.
     for (std::size_t i = 0; i < gaps.size(); ++i) EXPECT_GE(gap_after(row, moved, i), -1.2 * slop * 0.5) << "contact " << i;
     // What is unnoticed adds up through the few that touch in a row.
     for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(moved[i].shift.x(), wanted[i], slop * 0.5) << "ball " << i;
+  }
+}
+
+TEST(Separation, BlocksOfBodiesGiveTheSameBitsAtAnyThreadCount) {
+  std::mt19937_64 random(6);
+  std::uniform_real_distribution<double> gap(-3e-3, 12e-3);
+  std::vector<double> gaps(40000);
+  for (double& g : gaps) g = gap(random);
+  Row row = row_of(gaps);
+  ASSERT_GT(BodyBlocks(row.problem.dynamic_bodies).count(), 1);
+  std::vector<Displacement> moved, by_three;
+  EXPECT_LT(push_apart(row.problem, row.gap, slop, 1, moved), 60);
+  push_apart(row.problem, row.gap, slop, 3, by_three);
+  const std::vector<double> wanted = shifts_by_full_sweeps(row);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    EXPECT_NEAR(moved[i].shift.x(), wanted[i], slop * 0.5) << "ball " << i;
+    EXPECT_EQ(moved[i].shift, by_three[i].shift) << "ball " << i;
+    EXPECT_EQ(moved[i].turn, by_three[i].turn) << "ball " << i;
   }
 }
 
