@@ -49,6 +49,29 @@ void inline_proportions(YamlNode& root, const std::string& name, const std::file
   *block = std::move(content);
 }
 
+void name_whole_paths(YamlNode& shape, const std::filesystem::path& folder) {
+  if (shape.kind == YamlNode::Kind::map)
+    if (YamlNode* file = shape.find("file"); file != nullptr && file->kind == YamlNode::Kind::scalar)
+      file->text = std::filesystem::absolute(folder / file->text).lexically_normal().string();
+  for (YamlNode& item : shape.items) name_whole_paths(item, folder);
+  for (YamlEntry& entry : shape.entries) name_whole_paths(entry.value, folder);
+}
+
+/// So that the resolved text can be read in any folder: sizes that stand in a file are written out, meshes named by their whole path.
+void stand_alone(YamlNode& root, const Scene& scene, const std::filesystem::path& folder) {
+  if (YamlNode* shapes = root.find("shapes")) name_whole_paths(*shapes, folder);
+  YamlNode* grains = root.find("grains");
+  for (const GrainPopulation& population : scene.grains) {
+    const auto* table = std::get_if<TableSize>(&population.size.law);
+    YamlNode* block = table == nullptr ? nullptr : grains->find(population.name);
+    YamlNode* size = block == nullptr ? nullptr : block->find("size");
+    YamlNode* list = size == nullptr ? nullptr : size->find("table");
+    if (list == nullptr || list->kind != YamlNode::Kind::scalar) continue;
+    *list = YamlNode{YamlNode::Kind::sequence, "", {}, {}, list->line};
+    for (const double value : table->values) list->items.push_back({YamlNode::Kind::scalar, fmt::format("{}", value), {}, {}, list->line});
+  }
+}
+
 /// A tree whose proportions are in it.
 Scene scene_of(const YamlNode& tree, const std::string& name, const std::filesystem::path& folder) {
   if (tree.kind != YamlNode::Kind::map)
@@ -123,6 +146,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::v
     for (const Override& change : overrides) set_path(tree, change.path, change.value);
   inline_proportions(tree, name, folder);
   Scene scene = scene_of(tree, name, folder);
+  stand_alone(tree, scene, folder);
   scene.text = emit_yaml(tree);
   return scene;
 }

@@ -18,7 +18,8 @@ struct Override {
 
 Scene load_scene(const std::filesystem::path& file, const std::vector<Override>& overrides = {});
 
-/// As above from text; `name` stands for the file name in messages, `folder` is where relative file names start.
+/// As above from text; `name` stands for the file name in messages, `folder` is where relative file names start. Scene::text is the resolved
+/// scene, which can be read in any folder: it holds the sizes of a table, and names meshes by their whole path.
 Scene parse_scene(const std::string& text, const std::string& name, const std::vector<Override>& overrides = {},
                   const std::filesystem::path& folder = ".");
 

@@ -176,7 +176,13 @@ const YamlNode* node_at(const YamlNode& root, const std::string& path) {
   const YamlNode* node = &root;
   for (std::size_t from = 0; node != nullptr && from <= path.size();) {
     const std::size_t dot = std::min(path.find('.', from), path.size());
-    node = node->find(path.substr(from, dot - from));
+    const std::string part = path.substr(from, dot - from);
+    if (node->kind == YamlNode::Kind::sequence) {
+      const bool index = !part.empty() && part.size() < 7 && part.find_first_not_of("0123456789") == std::string::npos;
+      node = index && std::stoul(part) < node->items.size() ? &node->items[std::stoul(part)] : nullptr;
+    } else {
+      node = node->find(part);
+    }
     from = dot + 1;
   }
   return node;

@@ -37,7 +37,7 @@ inline constexpr int yaml_limit = 1'000'000;
 /// the reader judges them later. Throws Error naming the nearest key.
 void set_path(YamlNode& root, const std::string& path, const std::string& value);
 
-/// The node at a path of map keys ("bodies.ball.mass"); nullptr if it is not there.
+/// The node at a path of map keys and sequence indices ("bodies.ball.mass", "gravity.2"); nullptr if it is not there.
 const YamlNode* node_at(const YamlNode& root, const std::string& path);
 
 /// Canonical YAML: block maps in the order of the tree, sequences in flow style. Parses back to an equal tree.

@@ -33,6 +33,7 @@ json score_json(const BulkScore& score) {
 
 json missing_json(const BulkDiagnosis& d) {
   json list = json::array();
+  if (d.verdict.word == "none" || d.verdict.word == "unknown") return list;
   const BulkFitted& best = d.models[d.best];
   double probability = 0;
   for (const Ranked& r : d.verdict.ranked)

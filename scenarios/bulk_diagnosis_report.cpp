@@ -64,8 +64,9 @@ void add_curve(Chart& chart, const std::string& label, const Observation* o, boo
 std::vector<Block> curves(const BulkDiagnosis& d, const Bundle& bundle) {
   std::vector<Block> charts;
   const BulkModel& nominal = d.models.front().model;
-  const std::vector<BulkOutcome> plain = outcomes_at_fit(nominal, nominal, 0), full = outcomes_at_fit(d.models[d.best].model, nominal, 0);
-  for (const Observation& o : bundle.runs[d.data.settings.front().train_runs.front()].observations) {
+  const std::size_t setting = d.data.first_fitted();
+  const std::vector<BulkOutcome> plain = outcomes_at_fit(nominal, nominal, setting), full = outcomes_at_fit(d.models[d.best].model, nominal, setting);
+  for (const Observation& o : bundle.runs[d.data.settings[setting].train_runs.front()].observations) {
     if (o.kind != ObservableKind::profile && o.kind != ObservableKind::series) continue;
     Chart chart;
     chart.title = o.name;

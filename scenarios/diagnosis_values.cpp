@@ -27,7 +27,7 @@ ParameterEstimate over_runs(const FittedHypothesis& model, const Parameter& para
   for (const std::size_t run : model.fit.runs)
     for (std::size_t i = 0; i < model.fit.layout.per_run[run].size(); ++i) {
       const Parameter& p = model.fit.layout.per_run[run][i];
-      if (p.effect == parameter.effect && p.key == parameter.key) values.push_back(model.fit.own[run][static_cast<Eigen::Index>(i)]);
+      if (p.effect == parameter.effect && p.key == parameter.key && p.component == parameter.component) values.push_back(model.fit.own[run][static_cast<Eigen::Index>(i)]);
     }
   const Summary s = summarise(values);
   const double half = s.n > 1 ? student_t_quantile(0.95, static_cast<int>(s.n) - 1) * s.se : 0;
@@ -91,11 +91,12 @@ std::vector<ParameterEstimate> parameters_of(const FittedHypothesis& model, cons
   for (const ParameterEstimate& p : model.parameters)
     if (p.effect == effect) list.push_back(p);
   if (model.fit.runs.empty()) return list;
-  std::vector<std::string> seen;
+  // Of several sensors the second has the name "sensor_bias.bias (2)".
+  std::map<std::string, int> seen;
   for (const Parameter& p : model.fit.layout.per_run[model.fit.runs.front()]) {
-    if (p.effect != effect || std::find(seen.begin(), seen.end(), p.key) != seen.end()) continue;
-    seen.push_back(p.key);
+    if (p.effect != effect) continue;
     list.push_back(over_runs(model, p));
+    if (const int number = ++seen[p.key]; number > 1) list.back().name += fmt::format(" ({})", number);
   }
   return list;
 }

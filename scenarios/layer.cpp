@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "analysis/render/height_picture.hpp"
@@ -71,22 +72,48 @@ void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& pat
     fmt::print("{:<17}{}\n", what, (options.out / file).string());
 }
 
+/// The bed's step has a key of its own.
+Prepared prepare_bed(const Scene& scene, const Options& options) {
+  Prepared prepared = prepare_quietly(bed_scene(scene), options);
+  for (Finding& finding : prepared.findings)
+    if (finding.place == "solver.time_step") finding.place = "layer.settle_time_step";
+  repose::tell(prepared.findings);
+  return prepared;
+}
+
+void add_missing(const std::vector<Finding>& from, std::vector<Finding>& to) {
+  for (const Finding& finding : from)
+    if (std::none_of(to.begin(), to.end(), [&](const Finding& f) { return f.place == finding.place && f.message == finding.message; })) to.push_back(finding);
+}
+
+/// A bed is kept however well its steps converged, so this is told whenever it is used.
+int bed_status(const Bed& bed) {
+  if (bed.converged_fraction >= least_converged) return exit_status::done;
+  fmt::print(stderr, "the solver converged in {:.1f} % of the steps of the bed only (95 % are asked for; largest residual {:.2g})\n"
+             "  make layer.settle_time_step smaller or solver.max_iterations larger\n", 100 * bed.converged_fraction, bed.residual_max);
+  return exit_status::simulation;
+}
+
 int spread(const Options& options, const std::filesystem::path& beds) {
   const Scene scene = load_scene(scene_file(options), options.overrides);
   demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
-  const Prepared bed_prepared = prepare(bed_scene(scene), options);
+  const Prepared bed_prepared = prepare_bed(scene, options);
+  check_spreading(scene, options);
+  // Checkpoints of an earlier run would stop a later --resume, should this one be interrupted while its bed settles.
+  if (!options.resume) std::filesystem::remove_all(options.out / "checkpoints");
   const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
   if (!bed) {
     fmt::print(stderr, "interrupted while the bed settled; the same command with --resume goes on from here\n");
     return exit_status::interrupted;
   }
-  const Spreading spreading = over_the_bed(scene, bed_prepared.model, bed->state, options);
+  Spreading spreading = over_the_bed(scene, bed_prepared.model, bed->state, options);
+  repose::tell(spreading.prepared.findings);
+  add_missing(bed_prepared.findings, spreading.prepared.findings);
   const Prepared& prepared = spreading.prepared;
-  repose::tell(prepared.findings);
   const SpreaderPath& path = spreading.path;
   const RunReport report = simulate(prepared, options, "result.json", {}, setup.spreader);
-  const int status = report_status(report, options);
+  const int status = std::max(report_status(report, options), bed_status(*bed));
   if (report.end == RunReport::End::interrupted) return status;
 
   // Before the frames are read back: the peak memory in it is that of the simulation.

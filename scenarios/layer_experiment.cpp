@@ -73,6 +73,7 @@ class LayerExperiment : public Experiment {
   void check(const Scene& scene, const std::string& place) const override {
     demand_layer(scene, place);
     prepare(bed_scene(scene), options_);
+    check_spreading(scene, options_);
   }
   std::optional<json> run(const Scene& scene, std::uint64_t seed) override;
 

@@ -57,14 +57,16 @@ json segregation_json(const Segregation& s) {
   return {{"by_height", bins_json(s.by_height, s.kinds)}, {"by_x", bins_json(s.by_x, s.kinds)}};
 }
 
+/// null where no step converged: nothing is known then.
 json load_json(const SpreaderLoad& l) {
-  return {{"force", vector_json(l.force)},
-          {"torque", vector_json(l.torque)},
-          {"force_se", vector_json(l.force_se)},
-          {"torque_se", vector_json(l.torque_se)},
-          {"largest_force", l.largest},
-          {"rise", l.rise},
-          {"largest_rise", l.rise_largest},
+  const auto known = [&](json value) { return l.converged > 0 ? std::move(value) : json(nullptr); };
+  return {{"force", known(vector_json(l.force))},
+          {"torque", known(vector_json(l.torque))},
+          {"force_se", known(vector_json(l.force_se))},
+          {"torque_se", known(vector_json(l.torque_se))},
+          {"largest_force", known(l.largest)},
+          {"rise", known(l.rise)},
+          {"largest_rise", known(l.rise_largest)},
           {"steps", l.steps},
           {"converged_steps", l.converged},
           {"residual_max", l.residual_max}};

@@ -91,7 +91,8 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
   const double volume = m.after.packing.volume - m.before.packing.volume;
   if (volume > 0) m.layer_packing = (m.after.packing.solid_volume - m.before.packing.solid_volume) / volume;
   m.passed = m.after.heights.quantile[7] - (lowest - layer.plate);
-  m.load = measure_load(steps, (layer.lower.x() - from) / layer.speed, (layer.upper.x() - from) / layer.speed);
+  // Over the region, while it moves.
+  m.load = measure_load(steps, (layer.lower.x() - from) / layer.speed, (std::min(layer.upper.x(), layer.to) - from) / layer.speed);
   const auto within = [&](const Vec3& at) {
     return (at.head<2>().array() >= layer.lower.array()).all() && (at.head<2>().array() < layer.upper.array()).all();
   };

@@ -139,7 +139,7 @@ Chart load_chart(const LayerReportInput& in, bool torque) {
   chart.caption = "From the contact forces of each step that converged; gaps: steps that did not. Lengthwise the place of the lowest line.";
   chart.x = {"x of the lowest line", "mm"};
   chart.y = {torque ? "torque about y" : "force", torque ? "nN m" : "µN"};
-  Series x{"x, against the travel", {}, {}, {}, Series::Style::line, false}, z{"z, upward", {}, {}, {}, Series::Style::line, false};
+  Series x{"x, along the travel", {}, {}, {}, Series::Style::line, false}, z{"z, upward", {}, {}, {}, Series::Style::line, false};
   for (const StepRecord& step : in.recording.steps) {
     const double at = place_of(in, step.time);
     const double none = std::numeric_limits<double>::quiet_NaN();
@@ -187,7 +187,14 @@ Chart step_chart(const LayerReportInput& in, bool residual) {
   return chart;
 }
 
-Table surface_table(const LayerMeasurement& m) {
+std::string filters_in_words(const LayerSetup& setup) {
+  std::string words;
+  if (setup.s_filter > 0) words += fmt::format(", Gaussian S filter of {:g} µm", setup.s_filter * um);
+  if (setup.l_filter > 0) words += fmt::format(", Gaussian L filter of {:g} µm", setup.l_filter * um);
+  return words.empty() ? ", no other filter" : words;
+}
+
+Table surface_table(const LayerMeasurement& m, const LayerSetup& setup) {
   Table t;
   t.title = "Surface";
   t.header = {"µm", "before", "after"};
@@ -214,7 +221,7 @@ Table surface_table(const LayerMeasurement& m) {
   with("Sku [1]", a.Sku, b.Sku, &RoughnessError::Sku, 1);
   row("Sal", m.before.Sal.value_or(std::nan("")), m.after.Sal.value_or(std::nan("")));
   row("covered by grains [%]", m.before.coverage, m.after.coverage, 100);
-  t.notes = {"ISO 25178-2, least-squares plane removed; uncertainties: block bootstrap over the region. Extremes depend on the area."};
+  t.notes = {fmt::format("ISO 25178-2, least-squares plane removed{}; uncertainties: block bootstrap over the region. Extremes depend on the area.", filters_in_words(setup))};
   return t;
 }
 
@@ -293,6 +300,8 @@ report::Report layer_report(const LayerReportInput& in) {
                     {"Packing fraction", m.after.packing.fraction, m.after.packing.se, "", fmt::format("before {:.3f}", m.before.packing.fraction)}};
   Warnings warnings;
   if (!in.bed.at_rest) warnings.items.push_back("the bed was not at rest when the spreader started: make layer.settle longer");
+  if (in.bed.converged_fraction < least_converged)
+    warnings.items.push_back(fmt::format("the solver converged in {:.1f} % of the steps of the bed only: make layer.settle_time_step smaller", 100 * in.bed.converged_fraction));
   if (m.lost > 0) warnings.items.push_back(fmt::format("{} grains lie below the plate", m.lost));
   for (const Finding& f : in.prepared.findings) warnings.items.push_back(f.place + ": " + f.message);
   for (const std::string& name : in.prepared.unsupported) warnings.items.push_back("left out, the backend cannot do it: " + name);
@@ -302,7 +311,7 @@ report::Report layer_report(const LayerReportInput& in) {
                    histogram_chart("Heights", "Heights of the cells of the surface.", as_doubles(m.before.grid), as_doubles(m.after.grid)),
                    histogram_chart("Highest grains, tops", "Highest point of the highest grain in each square.", m.before.highest.top, m.after.highest.top),
                    Picture{in.thickness_png, "Layer thickness: the surface after minus the surface before, mean over a Gaussian as wide as a square (1 % to 99 %).", ""},
-                   surface_table(m), highest_table(m)}};
+                   surface_table(m, *in.prepared.scene.layer), highest_table(m)}};
   page.sections.push_back(std::move(surface));
   Section bed{"Bed", {}};
   if (auto picture = bed_picture(in)) bed.blocks.push_back(std::move(*picture));

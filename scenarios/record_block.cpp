@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "analysis/bundle/bundle_units.hpp"
 #include "core/yaml_reader.hpp"
 #include "core/yaml_tree.hpp"
 
@@ -28,6 +29,17 @@ std::string read_name(const YamlReader& reader, const std::vector<std::string>& 
   reader.fail(suggestion.problem, suggestion.remedy);
 }
 
+/// What is recorded is written in SI, angles in degrees.
+void read_unit(const YamlReader& entry, Observation& o) {
+  const std::string unit = entry.at("unit").text();
+  Observation one = o;
+  one.unit = unit;
+  one.value = {1};
+  turn_into_si(entry, one);
+  if (one.value[0] != 1) entry.at("unit").fail(fmt::format("`{}` is recorded in {}, not in {}", o.name, one.unit, unit), "leave `unit` out");
+  o.unit = unit;
+}
+
 Observation read_observable(const YamlReader& entry, const Scene& scene) {
   Observation o;
   constexpr ObservableKind kinds[] = {ObservableKind::trajectory, ObservableKind::series, ObservableKind::profile,
@@ -43,6 +55,7 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
       entry.only({"kind", "name", "body", "axis", "unit"});
       o.name = read_name(entry.at("name"), {"specific_force", "speed", "height", "discharged_mass", "mass_on_base",
                                             "roller_force_x", "roller_force_z", "roller_torque", "surface_angle"});
+      if (o.name == "surface_angle") o.unit = "deg";
       if (o.name == "specific_force" || o.name == "speed" || o.name == "height")
         o.body = read_body(entry.at("body"), scene);
       if (o.name == "specific_force") {
@@ -65,7 +78,7 @@ Observation read_observable(const YamlReader& entry, const Scene& scene) {
       o.name = read_name(entry.at("name"), {"angle_of_repose"});
       o.unit = "deg";
   }
-  if (entry.has("unit")) o.unit = entry.at("unit").text();
+  if (entry.has("unit")) read_unit(entry, o);
   if (scene.layer && !told_of_a_layer(o))
     entry.fail(fmt::format("`{}` is not recorded of a scene with a `layer` block", o.name),
                "those that are: surfaces layer_before and layer_after, series roller_force_x, roller_force_z, roller_torque");
@@ -164,7 +177,14 @@ std::vector<double> sample_times(double rate, double duration) {
 
 std::string file_name(const std::string& run, const Observation& o, const std::vector<Observation>& all) {
   if (all.size() == 1) return run + ".csv";
-  return fmt::format("{}-{}{}.csv", run, o.body.empty() ? "" : o.body + "-", o.name);
+  // Several axes of one sensor are told apart by their number.
+  std::size_t same = 0, place = 0;
+  for (const Observation& other : all) {
+    if (other.body != o.body || other.name != o.name) continue;
+    ++same;
+    if (other.axis == o.axis) place = same;
+  }
+  return fmt::format("{}-{}{}{}.csv", run, o.body.empty() ? "" : o.body + "-", o.name, same > 1 ? fmt::format("-{}", place) : "");
 }
 
 }  // namespace repose

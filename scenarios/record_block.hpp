@@ -47,7 +47,7 @@ RecordBlock read_record_block(const Scene& scene, const std::string& name);
 /// 0, 1 / rate, ... up to `duration`.
 std::vector<double> sample_times(double rate, double duration);
 
-/// "run-01.csv", with the name of the observable if the run has several.
+/// "run-01.csv", with the name of the observable if the run has several, and its number if several have that.
 std::string file_name(const std::string& run, const Observation& observation, const std::vector<Observation>& all);
 
 }  // namespace repose

@@ -40,13 +40,16 @@ double farthest_start(const Tool& tool, double lowest, const Vec3& centre, doubl
   return centre.x() - radius - reach_ahead(std::get<Blade>(tool.kind));
 }
 
+/// A scene may hold several spreaders to choose from.
+bool can_spread(const Tool& tool) { return std::holds_alternative<Roller>(tool.kind) || std::holds_alternative<Blade>(tool.kind); }
+
 void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& path, double to) {
   constexpr int places = 8;
   for (int k = 0; k <= places; ++k) {
     const double x = path.from + (to - path.from) * k / places;
     for (const ToolBody& piece : build_tool(placed(spreader, x, path.lowest)))
       for (const Tool& tool : scene.tools) {
-        if (tool.name == spreader.name) continue;
+        if (can_spread(tool)) continue;
         for (const ToolBody& other : build_tool(tool))
           if (cut_into(piece.shape, piece.pose, other.shape, other.pose, 1e-7))
             throw Error("layer.gap",
@@ -64,7 +67,7 @@ const Tool& spreader_of(const Scene& scene) {
 
 Scene bed_scene(const Scene& scene) {
   Scene bed = scene;
-  std::erase_if(bed.tools, [&](const Tool& tool) { return tool.name == scene.layer->spreader; });
+  std::erase_if(bed.tools, can_spread);
   bed.duration = scene.layer->settle;
   bed.solver.time_step = scene.layer->settle_time_step;
   return bed;
@@ -106,6 +109,7 @@ SpreaderPath spreader_path(const Scene& scene, const Model& model, const Snapsho
 Scene spreading_scene(const Scene& scene, const SpreaderPath& path) {
   const LayerSetup& layer = *scene.layer;
   Scene out = scene;
+  std::erase_if(out.tools, [&](const Tool& t) { return can_spread(t) && t.name != layer.spreader; });
   Tool& tool = *std::find_if(out.tools.begin(), out.tools.end(), [&](const Tool& t) { return t.name == layer.spreader; });
   tool = placed(tool, path.from, path.lowest);
   tool.motion.velocity = {layer.speed, 0, 0};

@@ -4,7 +4,7 @@
 
 namespace repose {
 
-/// The scene as the bed settles in it: without the spreader, for the time and with the step that `layer` gives.
+/// The scene as the bed settles in it: without rollers and blades, for the time and with the step that `layer` gives.
 Scene bed_scene(const Scene& scene);
 
 /// The way of the spreader.
@@ -20,7 +20,7 @@ struct SpreaderPath {
 /// would cut into another tool on its way.
 SpreaderPath spreader_path(const Scene& scene, const Model& model, const Snapshot& settled, double surface);
 
-/// The scene in which the spreader travels along the path, and the time after it.
+/// The scene in which the spreader travels along the path, and the time after it. Other rollers and blades are left out.
 Scene spreading_scene(const Scene& scene, const SpreaderPath& path);
 
 /// The tool that spreads.

@@ -29,6 +29,17 @@ void demand_layer(const Scene& scene, const std::string& place) {
               "say what spreads and where it is measured; see scenarios/configs/layer-quick.yaml");
 }
 
+void check_spreading(const Scene& scene, const Options& options) {
+  constexpr double above_all = 1;  // [m]
+  const LayerSetup& setup = *scene.layer;
+  SpreaderPath path;
+  path.lowest = setup.plate + above_all;
+  path.from = setup.from.value_or(setup.lower.x());
+  path.duration = (setup.to - path.from) / setup.speed;
+  if (!(path.duration > 0)) throw Error("layer.to", "the spreader arrives before it starts, or does not reach the region", "make `to` larger");
+  prepare_quietly(spreading_scene(scene, path), options);
+}
+
 Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options) {
   const LayerSetup& setup = *scene.layer;
   const SurfaceRegion region{setup.lower, setup.upper, setup.plate};

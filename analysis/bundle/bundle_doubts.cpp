@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "analysis/bundle/read_bundle.hpp"
 
@@ -9,6 +10,7 @@ namespace repose {
 namespace {
 
 constexpr double longest_fair_gap = 50;     // times the usual interval
+constexpr std::size_t samples_that_tell_noise = 11;  // of a run: fewer make no eight third differences
 constexpr double shortest_fair_part = 300;  // the scene lasts at most so many times longer than its record
 
 /// Equal numbers; two missing ones are equal, too.
@@ -90,10 +92,27 @@ void doubt_start_values(const BundleRun& run, std::vector<std::string>& doubts) 
   }
 }
 
+/// Records of bodies so short that they do not tell their own noise, where none is given.
+void doubt_noise(const Bundle& bundle, std::vector<std::string>& doubts) {
+  if (!bundle.noise.empty()) return;
+  std::map<std::string, std::size_t> longest;
+  for (const BundleRun& run : bundle.runs)
+    for (const Observation& o : run.observations) {
+      if (o.body.empty()) continue;
+      longest[o.name] = std::max(longest[o.name], o.time.size());
+      if (!o.orientation.empty()) longest["orientation"] = std::max(longest["orientation"], o.time.size());
+    }
+  for (const auto& [name, samples] : longest)
+    if (samples < samples_that_tell_noise)
+      doubts.push_back(fmt::format("the noise of `{}` is not given, and {} samples are too few to tell it: it is taken as a ten-thousandth of what is seen, "
+                                   "and anything above that as missing physics; state it under `noise`", name, samples));
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_of(const Bundle& bundle) {
   std::vector<std::string> doubts;
+  doubt_noise(bundle, doubts);
   for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)
       if (same_data(bundle.runs[i], bundle.runs[j])) {

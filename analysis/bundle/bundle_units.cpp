@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "core/quantity.hpp"
@@ -14,6 +15,8 @@ namespace {
 
 constexpr double standard_gravity = 9.81;
 constexpr double too_far = 50;        // times what a body can reach
+constexpr double steepest = 90;       // [deg] of a surface of powder
+constexpr double any_speed = 10;      // [m/s] of one whose start is to be estimated
 constexpr double too_long = 100;      // times what the scene lasts
 constexpr double thousand_from = 300, thousand_to = 3000;
 
@@ -55,7 +58,8 @@ Path path_of(const Observation& o, const Vec3& start) {
 void check_lengths(const BundleRun& run, const Observation& o, const SceneBody& body) {
   const std::string place = fmt::format("run {}: {}: position of `{}`", run.id, o.file, o.body);
   const Path path = path_of(o, body.position);
-  const double t = o.time.back(), reach = body.velocity.norm() * t + 0.5 * standard_gravity * t * t;
+  const bool free_start = std::any_of(run.free.begin(), run.free.end(), [&](const std::string& key) { return key.starts_with("bodies." + o.body + ".velocity"); });
+  const double t = o.time.back(), reach = (body.velocity.norm() + (free_start ? any_speed : 0)) * t + 0.5 * standard_gravity * t * t;
   if (path.extent > too_far * reach && reach > 0)
     throw Error(place, fmt::format("it moves {:.3g} m within {:.3g} s, where {:.3g} m is what its start and gravity allow", path.extent, t, reach),
                 "positions are in metres, times in seconds: are these millimetres, or milliseconds?");
@@ -72,12 +76,23 @@ void check_lengths(const BundleRun& run, const Observation& o, const SceneBody& 
 }  // namespace
 
 void turn_into_si(const YamlReader& entry, Observation& o) {
-  const auto found = dimensions().find(o.name);
+  if (o.name == "surface_angle" || o.name == "angle_of_repose") {
+    if (o.unit.empty()) o.unit = "rad";
+    if (o.unit != "deg" && o.unit != "rad") entry.at("unit").fail(fmt::format("`{}` is an angle, not in `{}`", o.name, o.unit), "write `unit: deg` or rad");
+    const double factor = o.unit == "rad" ? 180 / std::numbers::pi : 1;
+    for (double& value : o.value) value *= factor;
+    o.scalar *= factor;
+    o.sd *= factor;
+    o.unit = "deg";
+    const auto steep = std::find_if(o.value.begin(), o.value.end(), [](double value) { return std::abs(value) > steepest; });
+    if (const double angle = steep == o.value.end() ? o.scalar : *steep; std::abs(angle) > steepest)
+      entry.fail(fmt::format("`{}` of {:.4g} degrees; without a unit, angles are in radians", o.name, angle), "write `unit: deg` if they are degrees");
+    return;
+  }
   if (o.unit.empty()) return;
-  const bool angle = o.name == "surface_angle" || o.name == "angle_of_repose";
-  if (angle && o.unit != "deg")
-    entry.at("unit").fail(fmt::format("`{}` is in degrees, not in `{}`", o.name, o.unit), "convert the values and write `unit: deg`");
-  if (o.kind != ObservableKind::series || found == dimensions().end()) return;
+  const bool heights = o.kind == ObservableKind::profile || o.kind == ObservableKind::surface;
+  const auto found = dimensions().find(heights ? "height" : o.name);
+  if ((o.kind != ObservableKind::series && !heights) || found == dimensions().end()) return;
   double factor = 1;
   try {
     factor = parse_quantity("1 " + o.unit, found->second);
@@ -86,6 +101,8 @@ void turn_into_si(const YamlReader& entry, Observation& o) {
                           fmt::format("it is measured in {}", unit_of(found->second)));
   }
   for (double& value : o.value) value *= factor;
+  for (double& x : o.at) x *= factor;
+  for (double& y : o.at_y) y *= factor;
   o.unit = unit_of(found->second);
 }
 

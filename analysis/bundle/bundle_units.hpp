@@ -5,8 +5,9 @@
 
 namespace repose {
 
-/// Turns the values of a series with a reserved name into SI ("mm/s^2" into m/s^2); angles stay in degrees. `entry` is that of the
-/// observable. Throws Error for a unit of another dimension. Series of other names keep the unit that they say.
+/// Turns the values of a series with a reserved name into SI ("mm/s^2" into m/s^2), those of profiles and surfaces into metres, and angles
+/// into degrees; without a unit they are in SI, angles in radians. `entry` is that of the observable. Throws Error for a unit of another
+/// dimension, and for angles beyond 90 degrees. Series of other names keep the unit that they say.
 void turn_into_si(const YamlReader& entry, Observation& observation);
 
 /// Throws Error if the lengths or times of a run are so far from what its scene (its own settings included) can do that only

@@ -125,7 +125,13 @@ class BundleReader {
     }
     const std::vector<YamlReader> observables = reader.at("observables").items();
     if (observables.empty()) reader.at("observables").fail("a run without observables", "leave the run out");
-    for (const YamlReader& entry : observables) run.observations.push_back(read_observation(entry, files_, scene));
+    for (const YamlReader& entry : observables) {
+      Observation o = read_observation(entry, files_, scene);
+      if (o.kind == ObservableKind::trajectory &&
+          std::any_of(run.observations.begin(), run.observations.end(), [&](const Observation& other) { return other.kind == o.kind && other.body == o.body; }))
+        entry.fail(fmt::format("a second trajectory of `{}`", o.body), "put positions and orientations of a body into one file, sorted by time");
+      run.observations.push_back(std::move(o));
+    }
     if (reader.has("from") || reader.has("until")) read_window(reader, run);
     if (windows_ && run.free.empty())
       reader.fail("`windows` begin anew, but this run has no `free` start values", "name its start values in `free`");

@@ -240,9 +240,11 @@ Observation read_observation(const YamlReader& entry, const BundleFiles& files, 
       break;
     case ObservableKind::profile:
       read_profile(table, o);
+      turn_into_si(entry, o);
       break;
     case ObservableKind::surface:
       read_surface(table, o);
+      turn_into_si(entry, o);
       break;
     case ObservableKind::scalar:
       break;

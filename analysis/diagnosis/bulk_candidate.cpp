@@ -6,6 +6,7 @@
 #include <boost/random/sobol.hpp>
 #include <cmath>
 
+#include "analysis/diagnosis/calibrated_constant.hpp"
 #include "core/error.hpp"
 #include "core/yaml_reader.hpp"
 #include "core/scene_yaml.hpp"
@@ -46,41 +47,6 @@ void narrow(Parameter& p, const NaturalScale& scale) {
       p.lower = std::max(p.lower, range.lower * unit);
       p.upper = std::min(p.upper, range.upper * unit);
     }
-}
-
-/// The library's bounds for a scene key; else a factor of ten about the value that the scene has.
-Parameter calibrated_constant(const std::string& key, const Bundle& bundle, const NaturalScale& scale) {
-  const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
-  const YamlNode* node = &tree;
-  for (std::size_t from = 0; node != nullptr && from <= key.size();) {
-    const std::size_t dot = std::min(key.find('.', from), key.size());
-    node = node->find(key.substr(from, dot - from));
-    from = dot + 1;
-  }
-  Parameter p;
-  p.key = key;
-  for (const EffectRow& row : effect_library())
-    for (const EffectParameter& e : row.parameters) {
-      std::string place;
-      const std::size_t star = e.key.find('*');
-      if (star != std::string::npos && key.starts_with(e.key.substr(0, star)) && key.ends_with(e.key.substr(star + 1)))
-        place = key.substr(star, key.size() - (e.key.size() - 1));
-      if (e.key.empty() || key_at(e, place) != key || row.name == "wall_friction") continue;
-      const EffectBounds bounds = bounds_of(e, scale);
-      p.unit = e.unit;
-      p.lower = bounds.lower;
-      p.upper = bounds.upper;
-      p.null = bounds.nominal;
-      p.logarithmic = e.log_scaled;
-      return p;
-    }
-  const double value = node != nullptr && node->kind == YamlNode::Kind::scalar ? std::strtod(node->text.c_str(), nullptr) : 0;
-  if (!(value > 0)) throw Error("calibrate: " + key, "its search has no bounds", "state a value above zero for it in the scene");
-  p.lower = value / 10;
-  p.upper = value * 10;
-  p.null = value;
-  p.logarithmic = true;
-  return p;
 }
 
 BulkCandidate candidate_of(const Term& term, const BulkCandidate& nominal, const NaturalScale& scale) {
@@ -217,7 +183,8 @@ VectorXd null_point(const BulkCandidate& candidate, const VectorXd& calibrated) 
 
 BulkCandidate nominal_candidate(const Bundle& bundle, const NaturalScale& scale) {
   BulkCandidate nominal;
-  for (const std::string& key : bundle.calibrate) nominal.parameters.push_back(calibrated_constant(key, bundle, scale));
+  const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  for (const std::string& key : bundle.calibrate) nominal.parameters.push_back(calibrated_constant(key, tree, scale));
   return nominal;
 }
 

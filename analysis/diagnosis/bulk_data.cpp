@@ -54,6 +54,11 @@ Eigen::MatrixXd rows_of_runs(const Bundle& bundle, const std::vector<std::size_t
 
 }  // namespace
 
+std::size_t BulkData::first_fitted() const {
+  const auto found = std::find_if(settings.begin(), settings.end(), [](const BulkSetting& s) { return !s.train_runs.empty(); });
+  return static_cast<std::size_t>(found - settings.begin());  // the reader refuses bundles that hold out everything
+}
+
 BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::string>& notes) {
   BulkData data;
   data.summaries = common_summaries(bundle, notes);

@@ -117,11 +117,11 @@ class BulkDiagnosing {
     const BulkCampaign::LackOfFit test = campaign_.lack_of_fit(nominal);
     result_.lack_of_fit_p = test.p;
     result_.tested_dimensions = test.dimensions;
-    const BulkSetting& setting = result_.data.settings.front();
+    const std::size_t setting = result_.data.first_fitted();
     std::vector<std::vector<Observation>> simulated;
-    for (const BulkOutcome& o : outcomes_at_fit(nominal, nominal, 0))
+    for (const BulkOutcome& o : outcomes_at_fit(nominal, nominal, setting))
       if (o.failure.empty()) simulated.push_back(o.observations);
-    result_.where = locate_bulk(recorded(bundle_, setting.train_runs), simulated);
+    result_.where = locate_bulk(recorded(bundle_, result_.data.settings[setting].train_runs), simulated);
     // One number alone: it is located where it was tested.
     if (result_.where.size() == 1) result_.where.front().p = test.p;
   }

@@ -43,13 +43,21 @@ std::pair<double, double> moving_part(const Observation& o) {
   return last > first ? std::pair{o.time[first], o.time[last]} : std::pair{o.time.front(), o.time.back()};
 }
 
+/// That a value is one more of the sample: Student's t of a prediction.
+double p_of_one_more(double value, const std::vector<double>& sample) {
+  const Summary s = summarise(sample);
+  if (!(s.sd > 0)) return value == s.mean ? 1 : 0;
+  const double n = static_cast<double>(s.n), t = std::abs(value - s.mean) / (s.sd * std::sqrt(1 + 1 / n));
+  return student_two_sided(t, n - 1);
+}
+
 void test(BulkLocated part, const std::vector<double>& recorded, const std::vector<double>& simulated, std::vector<BulkLocated>& found) {
   if (recorded.empty() || simulated.size() < 2) return;
   const Summary a = summarise(recorded), b = summarise(simulated);
   part.difference = a.mean - b.mean;
   const double sd = std::max(b.sd, a.sd);
   part.in_scatter = sd > 0 ? part.difference / sd : 0;
-  part.p = recorded.size() > 1 ? welch_difference(recorded, simulated).p : 1;
+  part.p = recorded.size() > 1 ? welch_difference(recorded, simulated).p : p_of_one_more(recorded.front(), simulated);
   found.push_back(std::move(part));
 }
 

@@ -27,6 +27,7 @@ struct BulkData {
   std::vector<Eigen::Index> tested;     ///< the three that the lack of fit is tested on
   std::vector<BulkSetting> settings;
   Eigen::VectorXd extra;                ///< M: of a single recorded value that states its own error; 0 where replicates show it
+  std::size_t first_fitted() const;     ///< the first setting of which not all runs are held out
 };
 
 /// What a model expects: one vector per setting. NaN: cannot be measured there.

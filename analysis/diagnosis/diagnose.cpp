@@ -122,6 +122,8 @@ class Diagnosing {
                                    ? search.left_by(search.base()) : lack;
     result_.where = located.places.stretches;
     result_.depends_on = dependence_of(located.places.pieces);
+    if (const std::size_t fitted = result_.models.front().fit.runs.size(), looked_at = SearchOptions{}.located_runs; fitted > looked_at)
+      result_.notes.push_back(fmt::format("Where the mismatch is was looked for in the first {} of {} fitted runs.", looked_at, fitted));
     result_.lack_of_fit_p = lack.p;
     deviate_ = lack.deviate;
     result_.replicas = options_.replicas;

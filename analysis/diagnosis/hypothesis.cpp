@@ -37,14 +37,14 @@ Parameter measured(Parameter::Use use, const std::string& effect, const EffectPa
   return result;
 }
 
-double range_of(const Observation& o) {
-  double low = 1e300, high = -1e300;
+/// How wrong a sensor can be: as much as it reads at most and what is natural for its unit. Its range is no bound: one whose true reading is
+/// zero reads nothing but its bias.
+double largest_bias(const Observation& o, const NaturalScale& scale) {
+  double largest = 0;
   for (const double v : o.value)
-    if (std::isfinite(v)) {
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-  return high > low ? high - low : 1;
+    if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+  const double unit = o.name == "specific_force" ? scale.length / (scale.time * scale.time) : o.name == "speed" ? scale.length / scale.time : scale.length;
+  return largest + unit;
 }
 
 TermParameters of_measurement(const EffectRow& row, const NaturalScale& scale, const std::vector<Observation>& observations) {
@@ -59,8 +59,8 @@ TermParameters of_measurement(const EffectRow& row, const NaturalScale& scale, c
   if (row.name == "sensor_bias")
     for (std::size_t i = 0; i < observations.size(); ++i) {
       if (observations[i].kind != ObservableKind::series) continue;
-      const double range = range_of(observations[i]);
-      Parameter p = measured(Use::bias, row.name, row.parameters[0], {-range, 0, range});
+      const double largest = largest_bias(observations[i], scale);
+      Parameter p = measured(Use::bias, row.name, row.parameters[0], {-largest, 0, largest});
       p.component = static_cast<int>(i);
       p.unit = observations[i].unit;
       result.per_run.push_back(p);

@@ -61,12 +61,12 @@ std::vector<Window> disjoint(std::vector<Window> windows) {
 
 }  // namespace
 
-Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas, std::uint64_t seed) {
+Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, std::size_t max_runs, int replicas, std::uint64_t seed) {
   std::vector<Located> entries;
   std::vector<Window> windows;
   std::vector<Probe> probes;
   const Fit& fit = nominal;
-  for (std::size_t i = 0; i < std::min<std::size_t>(fit.runs.size(), static_cast<std::size_t>(max_runs)); ++i) {
+  for (std::size_t i = 0; i < std::min(fit.runs.size(), max_runs); ++i) {
     const std::size_t run = fit.runs[i];
     const RunData& data = problem.runs()[run];
     const History history = problem.history(fit.layout, run, fit.shared, fit.own[run]);

@@ -27,6 +27,6 @@ struct Places {
 };
 
 /// Tests every segment of the given runs of the fit (at most `max_runs`).
-Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, int max_runs, int replicas, std::uint64_t seed);
+Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, std::size_t max_runs, int replicas, std::uint64_t seed);
 
 }  // namespace repose::diagnosis

@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "analysis/diagnosis/calibrated_constant.hpp"
 #include "analysis/diagnosis/recorded_noise.hpp"
 #include "analysis/diagnosis/scene_values.hpp"
 #include "analysis/diagnosis/segments.hpp"
@@ -20,28 +21,6 @@ namespace {
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
 constexpr double periods_seen = 1.5;     // in the longest recording, of what is called periodic
 constexpr double largest_residual = 1e6;  // of the noise
-
-/// A constant that nobody measured: bounds of the effect that has its key.
-Parameter calibrated(const std::string& key, const YamlNode& tree, const NaturalScale& scale) {
-  Parameter p;
-  p.key = key;
-  p.lower = 0;
-  p.upper = 1e6;
-  const std::string first = key.substr(0, key.find('.')), last = key.substr(std::min(key.size(), key.rfind('.')));
-  for (const EffectRow& row : effect_library())
-    for (const EffectParameter& q : row.parameters) {
-      if (!q.key.ends_with(last) || !q.key.starts_with(first)) continue;
-      const EffectBounds bounds = bounds_of(q, scale);
-      p.lower = bounds.lower;
-      p.upper = bounds.upper;
-      p.unit = q.unit;
-      p.null = bounds.nominal;
-    }
-  const YamlNode* node = node_at(tree, key);
-  p.start = node != nullptr && node->kind == YamlNode::Kind::scalar ? parse_quantity(node->text, dimension::none) : 0.3;
-  p.step = 1e-3 * std::max(std::abs(p.start), 0.1 * std::min(p.upper - p.lower, 10.0));
-  return p;
-}
 
 Values starts(const std::vector<Parameter>& parameters) {
   Values v(static_cast<Eigen::Index>(parameters.size()));
@@ -77,7 +56,7 @@ Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Sim
       noise_(recorded_noise(bundle, runs)),
       store_(store != nullptr ? store : &own_store_) {
   const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
-  for (const std::string& key : bundle.calibrate) calibrated_.push_back(calibrated(key, tree, scale_));
+  for (const std::string& key : bundle.calibrate) calibrated_.push_back(calibrated_constant(key, tree, scale_));
   for (const std::size_t index : runs) add_run(index);
   choose_numerics();
   add_numerics();

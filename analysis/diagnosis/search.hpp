@@ -17,7 +17,7 @@ struct SearchOptions {
   std::uint64_t seed = 1;
   int replicas = 499;
   int joint_fits = 6;       ///< candidates of the screening that are fitted to the end
-  int located_runs = 4;
+  std::size_t located_runs = 4;  ///< the first so many are searched for the mismatch stretch by stretch
   std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
   std::vector<std::string> other_backends;  ///< that may have made the recordings
   std::function<void(const std::string& stage, double done, double total)> progress;

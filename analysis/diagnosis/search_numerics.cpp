@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
 constexpr double coarse_scene = 3;       // of the noise, rms: a step that errs by less is none that anyone would blame
 constexpr double beside_the_step = 25;   // chi^2 per degree of freedom
+constexpr double much_nearer = 0.5;      // of chi^2, before anything is fitted
 constexpr double noise_may_err = 1.1;    // in squares: a reading in steps of the noise adds a twelfth to what the recording states
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
@@ -34,11 +35,15 @@ void Search::compare_as_given() {
   fits_ = {std::move(given), std::move(finer)};
 }
 
-/// A fit begun with other numerics than it had. An engine that lacks something of the scene gives no finite chi^2.
+/// A fit begun with other numerics than it had, whose chi^2 `start` still tells. An engine that lacks something of the scene gives no finite
+/// chi^2. One meets impacts in other steps than the next, which sets a fit off by little: what is far off has another reason, unless the
+/// engine that made the recordings shows it at once; and to fit it in every engine would cost more than all the rest of the search.
 Fit Search::solved_by(const Fit& start, double wanted) const {
-  Fit fit = improved_if_promising(evaluated(problem_, start), wanted);
-  // Steps in which bodies hit set a fit off by little: one that is far off has another reason.
-  if (fit.layout.numerics.backend.empty() || !(fit.per_dof() < beside_the_step) || leaves_noise(fit)) return fit;
+  Fit fit = evaluated(problem_, start);
+  const bool by_engine = !fit.layout.numerics.backend.empty();
+  if (by_engine && start.per_dof() > beside_the_step && fit.chi2 > much_nearer * start.chi2) return fit;
+  fit = improved_if_promising(fit, wanted);
+  if (!by_engine || !(fit.per_dof() < beside_the_step) || leaves_noise(fit)) return fit;
   fit = improved_if_promising(begun_anew(problem_, fit, train_, fit_options_), wanted);
   return fit.chi2 < promising * wanted && !leaves_noise(fit) ? improved(shaken(problem_, fit, train_, fit_options_)) : fit;
 }

@@ -142,8 +142,10 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
       }
     }
   }
-  for (const std::string& key : run.free)
+  for (const std::string& key : run.free) {
+    if (vector_key(key).second >= 0) continue;
     if (const std::optional<Parameter> p = number_of(tree, key)) result.push_back(*p);
+  }
   return result;
 }
 

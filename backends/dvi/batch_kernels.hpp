@@ -180,10 +180,12 @@ auto with_rows(const PackedProblem<Real>& packed, F&& f) {
 /// order at any thread count.
 template <class Real, class Visit>
 void each_batch(const PackedProblem<Real>& packed, Visit&& visit) {
+  if (packed.blocks() > 0) {  // a shared loop allocates what its threads share, even for nothing
 #pragma omp for schedule(dynamic)
-  for (int block = 0; block < packed.blocks(); ++block)
-    for (std::int32_t i = packed.block_start[static_cast<std::size_t>(block)]; i < packed.block_start[static_cast<std::size_t>(block) + 1]; ++i)
-      visit(static_cast<std::size_t>(i));
+    for (int block = 0; block < packed.blocks(); ++block)
+      for (std::int32_t i = packed.block_start[static_cast<std::size_t>(block)]; i < packed.block_start[static_cast<std::size_t>(block) + 1]; ++i)
+        visit(static_cast<std::size_t>(i));
+  }
   for (int colour = packed.first_between; colour < packed.colours(); ++colour) {
     const std::int32_t first = packed.colour_start[static_cast<std::size_t>(colour)];
     const std::int32_t last = packed.colour_start[static_cast<std::size_t>(colour) + 1];

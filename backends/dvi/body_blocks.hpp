@@ -28,7 +28,7 @@ class BodyBlocks {
  private:
   static constexpr std::int32_t most = 4096;         // bodies: what a sweep reads of them fits the second cache several times
   static constexpr std::int32_t least = 2048;        // fewer have too many contacts with others
-  static constexpr std::int32_t fewest_blocks = 16;  // so that any team has something to share out
+  static constexpr std::int32_t fewest_blocks = 16;  // so that a team has something to share out
 
   std::int32_t dynamic_bodies_, size_, count_ = 0;
 };

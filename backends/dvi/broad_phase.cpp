@@ -27,7 +27,7 @@ std::uint64_t spread(std::uint64_t x) {
   return x;
 }
 
-/// No two elements are equal, so the order is the same at any thread count.
+/// For one element or more, no two of them equal: the order is the same at any thread count.
 template <class T>
 void sort_side_by_side(int threads, std::vector<T>& all) {
   const std::size_t n = all.size(), part = threads > 1 ? n / static_cast<std::size_t>(threads) + 1 : n;
@@ -78,13 +78,15 @@ void BroadPhase::lay_out_grids(const std::vector<Cell>& lowest, const std::vecto
     Grid& grid = grid_[level];
     grid.first = all;
     double cells = 1;
+    bool unambiguous = true;  // cells as far apart as a key can hold share one
     for (std::size_t k = 0; k < 3; ++k) {
       const bool ring = periodic_.along(static_cast<int>(k));
       grid.low[k] = ring ? 0 : lowest[level][k];
       grid.size[k] = (ring ? ring_of(static_cast<int>(level), static_cast<int>(k)).cells : highest[level][k] + 1) - grid.low[k];
       cells *= std::max<double>(0, static_cast<double>(grid.size[k]));
+      unambiguous = unambiguous && grid.size[k] <= (std::int64_t{1} << coordinate_bits);
     }
-    grid.sparse = cells > static_cast<double>(most);
+    grid.sparse = cells > static_cast<double>(most) || !unambiguous;
     if (!grid.sparse) all += static_cast<std::size_t>(cells);
   }
   dense_.assign(all, {});

@@ -2,8 +2,9 @@
 /// Pairs of balls that may touch, in time linear in their number for any mixture of sizes.
 ///
 /// A hierarchy of uniform grids: a ball goes into the grid whose cells are between one and four of its diameters wide, so that the
-/// grains of one powder share a grid and stay neighbours in the order; it looks for partners in its own and in all coarser grids. The balls are sorted by level and along a Morton curve. Along a
-/// periodic axis the cells of every grid divide the period, and the distance is that of the nearest images.
+/// grains of one powder share a grid and stay neighbours in the order; it looks for partners in its own and in all coarser grids. A
+/// cell holds up to some 64 of the finest, whose distances are cheap beside their contacts. The balls are sorted by level and along a
+/// Morton curve. Along a periodic axis the cells of every grid divide the period, and the distance is that of the nearest images.
 #include <algorithm>
 #include <array>
 #include <cstdint>

@@ -18,8 +18,9 @@ struct Colouring {
   int blocks() const { return static_cast<int>(block.size()) - 1; }
 };
 
-/// Greedy, in the order of the contacts: each takes the first colour that is free at both of its bodies. At most one more
-/// colour than the sum of two bodies' contacts; linear in the number of contacts. Depends on the list of contacts alone.
+/// Greedy, in the order of the contacts: each takes the first colour that is free at both of its bodies. In each block, and between
+/// blocks, at most one more colour than the sum of two bodies' contacts; linear in the number of contacts while bodies have up to 64.
+/// Depends on the problem alone.
 Colouring colour_contacts(const ConeProblem& problem, int threads);
 
 }  // namespace repose::dvi

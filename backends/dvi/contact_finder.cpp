@@ -17,8 +17,6 @@ constexpr std::size_t chunk_size = 256;  // bodies whose contacts are found by o
 constexpr double resting_share = 0.02;  // of the radius
 constexpr double handed_on = 0.25;       // of the stir: how much of it a blow within the step may add to a pair
 
-bool is_among(std::span<const char> moved, std::int32_t body) { return moved.empty() || moved[static_cast<std::size_t>(body)] != 0; }
-
 }  // namespace
 
 ContactFinder::ContactFinder(const Model& model, double unit)
@@ -63,12 +61,11 @@ ContactFinder::ContactFinder(const Model& model, double unit)
   stir_.assign(n, 0.0);
 }
 
-void ContactFinder::place_parts(const BodyPlacement& placement, int threads, std::span<const char> moved) {
+void ContactFinder::place_parts(const BodyPlacement& placement, int threads) {
   const auto n = static_cast<std::ptrdiff_t>(model_.bodies.size());
   on_team(threads, [&] {
 #pragma omp for schedule(static)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
-      if (!is_among(moved, static_cast<std::int32_t>(i))) continue;
       const auto body = static_cast<std::size_t>(i);
       const Body& b = model_.bodies[body];
       const Shape& shape = model_.shapes[static_cast<std::size_t>(b.shape)];
@@ -196,13 +193,12 @@ ContactFinder::Candidate ContactFinder::candidate(const BodyPlacement& placement
   return c;
 }
 
-void ContactFinder::place_candidates(const BodyPlacement& placement, int threads, std::span<const char> moved) {
+void ContactFinder::place_candidates(const BodyPlacement& placement, int threads) {
   candidate_.resize(order_.size());
   on_team(threads, [&] {
 #pragma omp for schedule(static)
     for (std::ptrdiff_t rank = 0; rank < static_cast<std::ptrdiff_t>(order_.size()); ++rank)
-      if (const std::int32_t body = order_[static_cast<std::size_t>(rank)]; is_among(moved, body))
-        candidate_[static_cast<std::size_t>(rank)] = candidate(placement, body);
+      candidate_[static_cast<std::size_t>(rank)] = candidate(placement, order_[static_cast<std::size_t>(rank)]);
   });
 }
 
@@ -236,7 +232,7 @@ void ContactFinder::gather(std::span<const FoundContact> first, const std::vecto
   });
 }
 
-void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads, std::span<const char> moved) {
+void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
   std::vector<Candidate> tools;
   for (std::int32_t tool : prescribed_)
     if (present_[static_cast<std::size_t>(tool)]) tools.push_back(candidate(placement, tool));
@@ -244,7 +240,6 @@ void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double st
   each_chunk(tool_chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
     const std::size_t first = number * chunk_size;
     for (std::size_t at = first; at < std::min(first + chunk_size, dynamic_.size()); ++at) {
-      if (!is_among(moved, dynamic_[at])) continue;
       const Candidate body = candidate(placement, dynamic_[at]);
       if (!body.present) continue;
       for (const Candidate& tool : tools) collide_bodies(body, tool, step, scratch, tool_chunk_[number].found);
@@ -373,17 +368,15 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
   return found_;
 }
 
-const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& placement, int threads, std::span<const char> moved) {
-  place_parts(placement, threads, moved);
+const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& placement, int threads) {
+  place_parts(placement, threads);
   std::fill(stir_.begin(), stir_.end(), 0.0);
-  find_tool_contacts(placement, 0, threads, moved);
-  place_candidates(placement, threads, moved);
+  find_tool_contacts(placement, 0, threads);
+  place_candidates(placement, threads);
   each_chunk(chunk_, chunk_.size(), threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
     Chunk& chunk = chunk_[number];
-    for (const auto& [a, b] : chunk.near) {
-      if (!is_among(moved, order_[static_cast<std::size_t>(a)]) && !is_among(moved, order_[static_cast<std::size_t>(b)])) continue;
+    for (const auto& [a, b] : chunk.near)
       collide_bodies(candidate_[static_cast<std::size_t>(a)], candidate_[static_cast<std::size_t>(b)], 0, scratch, chunk.found);
-    }
   });
   gather(tool_contacts_, chunk_, threads, found_);
   return found_;

@@ -50,9 +50,8 @@ class ContactFinder {
   const std::vector<FoundContact>& find(const BodyPlacement& placement, double step, double search_margin, int threads);
 
   /// Contacts of the pairs that the last `find` looked at, at a new placement of the same bodies (the end of the step):
-  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search. `moved`, by body: pairs of which
-  /// neither has moved since the last call are left out; empty: every pair.
-  const std::vector<FoundContact>& find_again(const BodyPlacement& placement, int threads, std::span<const char> moved = {});
+  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search.
+  const std::vector<FoundContact>& find_again(const BodyPlacement& placement, int threads);
 
   /// What to add to the position of b, so that the image of it that a meets stands there: a whole number of periods along
   /// each periodic axis, 0 along those where one of the two is endless (core/periodic_body.hpp). `position`: of every body.
@@ -88,10 +87,9 @@ class ContactFinder {
 
   Vec3 shift_between(const Vec3& from, const Vec3& to, std::int32_t a, std::int32_t b) const;
   Candidate candidate(const BodyPlacement& placement, std::int32_t body) const;
-  /// Here and below, `moved`: of these bodies only; empty: of all.
-  void place_candidates(const BodyPlacement& placement, int threads, std::span<const char> moved = {});
-  void place_parts(const BodyPlacement& placement, int threads, std::span<const char> moved = {});
-  void find_tool_contacts(const BodyPlacement& placement, double step, int threads, std::span<const char> moved = {});
+  void place_candidates(const BodyPlacement& placement, int threads);
+  void place_parts(const BodyPlacement& placement, int threads);
+  void find_tool_contacts(const BodyPlacement& placement, double step, int threads);
   void local_speeds(const BodyPlacement& placement, double step);
   double cohesion_range(const Candidate& a, const Candidate& b) const;
   void collide_bodies(const Candidate& x, const Candidate& y, double step, std::vector<ContactPoint>& scratch,

@@ -8,7 +8,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr int max_passes = 4;            // over one block, within one visit
-constexpr int hasty_passes = 1;          // where contacts are so many that a sweep waits for memory: the next one finds the rest
+constexpr int hasty_passes = 1;          // where bodies are so many that a sweep waits for memory, while momentum carries it on
 constexpr double block_tolerance = 0.3;  // of the first change: the next sweep finds the rest
 
 template <class Real>
@@ -163,7 +163,7 @@ void visit(PackedProblem<Real>& packed, std::size_t batch, Real relaxation, int 
 
 template <class Real, bool Rotational, bool Exact>
 void sweep(PackedProblem<Real>& packed, int sweeps, Real relaxation, Momentum<Real>* momentum, int threads) {
-  const int passes = Exact && packed.blocks() > 0 ? hasty_passes : max_passes;
+  const int passes = Exact && momentum != nullptr && packed.blocks() > 0 ? hasty_passes : max_passes;
   on_team(threads, [&] {
     for (int s = 0; s < sweeps; ++s) {
       each_batch(packed, [&](std::size_t i) {

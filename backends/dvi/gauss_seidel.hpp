@@ -1,8 +1,8 @@
 #pragma once
-/// Coloured block Gauss-Seidel: contact after contact, the 6 x 6 block solved to tolerance with the others held.
+/// Coloured block Gauss-Seidel: contact after contact, the 6 x 6 block solved with the others held.
 ///
 /// Exact law: normal, sliding, rolling and spinning parts are solved in turn, each exactly for given others, until the
-/// block stands (normal: p >= 0; the friction parts: the disc of radius mu p, rho p, sigma p). The normal row sees u_n
+/// block stands, or once where a sweep waits for memory anyway (normal: p >= 0; the friction parts: the disc of radius mu p, rho p, sigma p). The normal row sees u_n
 /// alone, which *is* the exact law; no correction term is needed. Relaxed law: projected steps on the whole cone.
 #include "backends/dvi/momentum.hpp"
 #include "core/world.hpp"

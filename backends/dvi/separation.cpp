@@ -38,7 +38,7 @@ class ToVisit {
     return std::any_of(word_.begin(), word_.end(), [](std::uint64_t word) { return word != 0; });
   }
 
-  /// Once through those that wait from `first` to before `last`, both at the start of a word; what is visited is taken out before.
+  /// Once through those that wait from `first`, at the start of a word, to before `last`, at one or at the end; what is visited is taken out before.
   template <class Visit>
   void sweep(std::size_t first, std::size_t last, Visit&& visit) {
     for (std::size_t w = first / per_word; w < (last + per_word - 1) / per_word; ++w) {
@@ -141,6 +141,7 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
 
   std::vector<double> multiplier(n, 0.0);
   std::vector<double> moved(problem.velocity.size(), 0.0);  // since its contacts were told
+  bool side_by_side = false;                                // blocks are being swept
   const auto move = [&](std::size_t body, const Vec3& shift, const Vec3& turn, const ConeContact& by, const Vec3& arm) {
     if (!(problem.inverse_mass[body].mass > 0)) return;
     out[body].shift += shift;
@@ -149,10 +150,10 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
     if (moved[body] <= unnoticed * slop * by.arm) return;
     moved[body] = 0;
     places_of.each_of(body, [&](std::size_t place) {
-      if (place < places.first_between())
-        to_visit.add(place);
-      else
+      if (side_by_side && place >= places.first_between())
         to_visit.add_together(place);
+      else
+        to_visit.add(place);
     });
   };
   const auto visit = [&](std::size_t place, double factor) {
@@ -183,9 +184,11 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
     const auto visit_from = [&](std::size_t first, std::size_t last) {
       to_visit.sweep(first, last, [&](std::size_t place) { visit(place, factor); });
     };
-    if (places.blocks() > 0)
-      for_each_index_as_it_comes(threads, places.blocks(),
-                                 [&](std::size_t k) { visit_from(places.start[k], places.start[k + 1]); });
+    if (places.blocks() > 0) {
+      side_by_side = true;
+      for_each_index_as_it_comes(threads, places.blocks(), [&](std::size_t k) { visit_from(places.start[k], places.start[k + 1]); });
+      side_by_side = false;
+    }
     visit_from(places.first_between(), places.size());
   }
   return sweep;

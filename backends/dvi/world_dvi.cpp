@@ -67,7 +67,6 @@ class WorldDvi final : public World {
     if (second_order()) find_smooth(found, h);
     advance(h);
     bodies_.time += dt;
-    pushed_.clear();
     for (int round = 0; round < separation_rounds && !laws_.compliant() && push_overlaps_apart();) ++round;
     wrap();
     return report;
@@ -316,21 +315,17 @@ class WorldDvi final : public World {
 
   /// What the linear step left of overlap (turning bodies, curved tools, the solver's tolerance) is measured by geometry at
   /// the new positions and taken away there. Returns whether it was deep enough to look again, because the correction is
-  /// linear too: then only at the bodies that it has moved.
+  /// linear too. At every contact each time: a push may reach far.
   bool push_overlaps_apart() {
     const std::size_t n = bodies_.count();
-    const bool again = !pushed_.empty();
     resting_.resize(n, Vec3::Zero());
-    for_each_index(options_.threads, n, [&](std::size_t i) {
-      if (!again || pushed_[i] != 0) rotation_[i] = bodies_.orientation[i].toRotationMatrix();
-    });
-    const std::vector<FoundContact>& found = finder_.find_again(placement(resting_, resting_), options_.threads, pushed_);
+    for_each_index(options_.threads, n, [&](std::size_t i) { rotation_[i] = bodies_.orientation[i].toRotationMatrix(); });
+    const std::vector<FoundContact>& found = finder_.find_again(placement(resting_, resting_), options_.threads);
     const double deepest =  // over R*
         most_of(options_.threads, found.size(), [&](std::size_t i) { return -found[i].point.gap / arm_of(found[i]); });
     if (deepest <= penetration_slop) return false;
     // The contact problem of this step has been solved and told: its room serves again.
     for_each_index(options_.threads, n, [&](std::size_t i) {
-      if (again && pushed_[i] == 0) return;
       InverseMass& inverse_mass = problem_.inverse_mass[static_cast<std::size_t>(slot_[i])];
       inverse_mass = {};
       if (!bodies_.dynamic[i]) return;
@@ -352,11 +347,9 @@ class WorldDvi final : public World {
       gap_[i] = found[i].point.gap;
     });
     push_apart(problem_, gap_, penetration_slop, options_.threads, displacement_);
-    pushed_.resize(n);
     for_each_index(options_.threads, n, [&](std::size_t i) {
       const Displacement& pushed = displacement_[static_cast<std::size_t>(slot_[i])];
-      pushed_[i] = bodies_.dynamic[i] && !(pushed.shift.isZero(0) && pushed.turn.isZero(0));
-      if (pushed_[i] == 0) return;
+      if (!bodies_.dynamic[i] || (pushed.shift.isZero(0) && pushed.turn.isZero(0))) return;
       bodies_.position[i] += pushed.shift;
       bodies_.turn(i, pushed.turn);
     });
@@ -443,7 +436,6 @@ class WorldDvi final : public World {
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
   std::vector<Vec3> resting_;  // zeros
-  std::vector<char> pushed_;   // by body: moved by the last correction of this step; empty before the first
   std::vector<double> gap_;
   std::vector<Displacement> displacement_;
 };

@@ -201,10 +201,43 @@ TEST_F(BundleFolder, RefusesWithPlaceAndRemedy) {
 }
 
 TEST_F(BundleFolder, SaysWhatIsDoubtful) {
-  write("recording.yaml", yaml() + "  - id: b\n    observables: [{kind: trajectory, body: ball, file: a.csv}]\n");
+  write("recording.yaml", yaml("", "noise: {position: 1 mm}\n") + "  - id: b\n    observables: [{kind: trajectory, body: ball, file: a.csv}]\n");
   const Bundle bundle = read_bundle(folder);
   ASSERT_EQ(bundle.warnings.size(), 1U);
   EXPECT_NE(bundle.warnings[0].find("same data"), std::string::npos);
+}
+
+TEST_F(BundleFolder, SaysThatShortRecordsDoNotTellTheirNoise) {
+  const Bundle bundle = read_bundle(folder);
+  ASSERT_EQ(bundle.warnings.size(), 1U);
+  EXPECT_NE(bundle.warnings[0].find("noise of `position` is not given, and 3 samples"), std::string::npos) << bundle.warnings[0];
+}
+
+TEST_F(BundleFolder, AnglesAreInRadiansWithoutAUnitAndProfilesInTheirs) {
+  write("p.csv", "radius,height\n0,5\n10,2\n20,0\n");
+  write("recording.yaml", "scene: nominal.yaml\nruns:\n  - id: a\n    observables:\n      - {kind: scalar, name: angle_of_repose, value: 0.5, sd: 0.01}\n"
+                          "      - {kind: profile, name: heap, unit: mm, file: p.csv}\n");
+  const Bundle bundle = read_bundle(folder);
+  EXPECT_NEAR(bundle.runs[0].observations[0].scalar, 0.5 * 180 / M_PI, 1e-12);
+  EXPECT_NEAR(bundle.runs[0].observations[0].sd, 0.01 * 180 / M_PI, 1e-12);
+  EXPECT_DOUBLE_EQ(bundle.runs[0].observations[1].at[1], 0.01);
+  EXPECT_DOUBLE_EQ(bundle.runs[0].observations[1].value[0], 0.005);
+  write("recording.yaml", "scene: nominal.yaml\nruns:\n  - id: a\n    observables: [{kind: scalar, name: angle_of_repose, value: 32.93}]\n");
+  expect_refusal("without a unit, angles are in radians", "unit: deg");
+}
+
+TEST_F(BundleFolder, AFreeStartMayBeFast) {
+  write("a.csv", "time,body,x,y,z\n0,ball,0,0,1\n0.01,ball,0.075,0,1\n0.02,ball,0.15,0,1\n0.03,ball,0.225,0,1\n");
+  write("recording.yaml", yaml("    free: [bodies.ball.velocity]\n"));
+  EXPECT_EQ(refusal(), "");
+  write("a.csv", "time,body,x,y,z\n0,ball,0,0,1\n0.01,ball,75,0,1\n0.02,ball,150,0,1\n0.03,ball,225,0,1\n");
+  expect_refusal("it moves 225 m", "millimetres");
+}
+
+TEST_F(BundleFolder, ABodyHasOneTrajectory) {
+  write("recording.yaml", "scene: nominal.yaml\nruns:\n  - id: a\n    observables:\n      - {kind: trajectory, body: ball, file: a.csv}\n"
+                          "      - {kind: trajectory, body: ball, file: a.csv}\n");
+  expect_refusal("a second trajectory of `ball`", "one file");
 }
 
 TEST_F(BundleFolder, WrittenAndReadAgainIsTheSame) {

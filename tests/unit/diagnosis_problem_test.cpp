@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "analysis/diagnosis/calibrated_constant.hpp"
 #include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/problem.hpp"
 #include "core/error.hpp"
@@ -140,6 +141,32 @@ TEST(StartValues, AreReadOffTheFirstSamples) {
   }
 }
 
+TEST(StartValues, AComponentThatTheSceneStatesIsFreeOnce) {
+  Bundle bundle = flights({});
+  bundle.runs[0].free = {"bodies.ball.velocity.2"};
+  YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  set_path(tree, "bodies.ball.velocity", "[1, 2, 3]");
+  const std::vector<Parameter> start = start_values(bundle.runs[0], tree, {});
+  ASSERT_EQ(start.size(), 1u);
+  EXPECT_EQ(start[0].key, "bodies.ball.velocity");
+  EXPECT_EQ(start[0].component, 2);
+}
+
+TEST(CalibratedConstant, HasTheLibrarysBoundsOrThoseAboutItsValue) {
+  const YamlNode scene = parse_yaml("gravity: [0, 0, -9.81]\neffects: {linear_drag: {viscosity: 1.8e-5}}\nbodies: {ball: {mass: 0}}\n", "scene");
+  const NaturalScale scale{0.01, 0.001, 0.03};
+  const Parameter viscosity = calibrated_constant("effects.linear_drag.viscosity", scene, scale);
+  EXPECT_TRUE(viscosity.logarithmic);
+  EXPECT_EQ(viscosity.unit, "Pa s");
+  EXPECT_EQ(calibrated_constant("pairs.a-b.friction", scene, scale).upper, calibrated_constant("pairs.b-c.friction", scene, scale).upper);
+  const Parameter gravity = calibrated_constant("gravity.2", scene, scale);
+  EXPECT_EQ(gravity.start, -9.81);
+  EXPECT_LT(gravity.lower, -9.81);
+  EXPECT_LT(gravity.upper, 0);
+  EXPECT_FALSE(gravity.logarithmic);
+  EXPECT_THROW(calibrated_constant("bodies.ball.mass", scene, scale), Error);
+}
+
 TEST(StartValues, OfAnAxisThatWasNotObservedAreNotFree) {
   Bundle bundle = flights({});
   for (Vec3& x : bundle.runs[0].observations[0].position) x.y() = NAN;
@@ -161,6 +188,22 @@ TEST(Layout, HoldsCalibratedConstantsThenTermsThenStartsThenOwnParameters) {
   ASSERT_EQ(layout.per_run.size(), 4u);
   ASSERT_EQ(layout.per_run[0].size(), 4u);
   EXPECT_EQ(layout.per_run[0][3].use, Parameter::Use::time_offset);
+}
+
+TEST(Layout, ABiasMayBeAllThatASensorReads) {
+  // An accelerometer in free flight reads zero: with a bias, that and little noise.
+  Observation o;
+  o.kind = ObservableKind::series;
+  o.name = "specific_force";
+  o.body = "ball";
+  o.unit = "m/s^2";
+  o.time = {0, 0.1, 0.2};
+  o.value = {-0.45, NAN, -0.47};
+  const TermParameters bias = parameters_of({find_effect("sensor_bias"), ""}, {}, {Observation{}, o});
+  ASSERT_EQ(bias.per_run.size(), 1u);
+  EXPECT_EQ(bias.per_run[0].component, 1);
+  EXPECT_LT(bias.per_run[0].lower, -0.5);
+  EXPECT_GT(bias.per_run[0].upper, 0.5);
 }
 
 TEST(Layout, ScenesHoldTheValues) {

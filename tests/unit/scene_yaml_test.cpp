@@ -97,6 +97,29 @@ TEST(SceneYaml, ResolvedTextReadsBackToItself) {
   EXPECT_EQ(again.text, scene.text);
 }
 
+TEST(SceneYaml, ResolvedTextCanBeReadInAnyFolder) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "scene_yaml_alone";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "sizes.csv") << "diameter\n58 um\n70 um\n";
+  std::ofstream(folder / "tetra.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  const Scene scene = parse_scene("materials: {a: {density: 1000}}\nshapes: {m: {type: mesh, file: tetra.obj}}\nbodies: {b: {shape: m, material: a}}\n"
+                                  "grains: {g: {material: a, count: 3, mix: {sphere: 1}, size: {table: sizes.csv}, fill: {box: {lower: [0, 0, 0], upper: [1, 1, 1]}}}}\n"
+                                  "duration: 1\n", "scene.yaml", {}, folder);
+  const Scene again = parse(scene.text);  // from here
+  EXPECT_NEAR(again.shapes.at("m").mass.volume, 1.0 / 6, 1e-12);
+  EXPECT_EQ(std::get<TableSize>(again.grains.at(0).size.law).values, (std::vector<double>{58e-6, 70e-6}));
+  EXPECT_EQ(again.text, scene.text);
+}
+
+TEST(YamlTree, APathMayHoldTheIndexOfASequence) {
+  const YamlNode tree = parse_yaml("gravity: [0, 1, -9.81]\nbodies: {a: {mass: 2}}\n", "tree");
+  ASSERT_NE(node_at(tree, "gravity.2"), nullptr);
+  EXPECT_EQ(node_at(tree, "gravity.2")->text, "-9.81");
+  EXPECT_EQ(node_at(tree, "gravity.3"), nullptr);
+  EXPECT_EQ(node_at(tree, "gravity.x"), nullptr);
+  EXPECT_EQ(node_at(tree, "bodies.a.mass.0"), nullptr);
+}
+
 TEST(YamlTree, KeysAreTheSameForEqualTreesAlone) {
   const auto key = [](const std::string& text) { return tree_key(parse_yaml(text, "text")); };
   EXPECT_EQ(key("a: [1, 2]\nb: 3\n"), key("# moved down\n\na: [1, 2]\nb: 3\n"));
