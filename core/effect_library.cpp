@@ -36,7 +36,7 @@ EffectParameter in_degrees(const std::string& name, const Range& range) {
   p.unit = "deg";
   return p;
 }
-/// In the unit of the observable: the bounds count its own range.
+/// In the unit of the observable: the bounds count the largest value that it could have.
 EffectParameter of_the_observable(const std::string& name) {
   EffectParameter p = parameter(name, dimension::none, {-1, 0, 1});
   p.unit = "observable";

@@ -10,7 +10,7 @@
 namespace repose::diagnosis {
 namespace {
 
-/// What stands for `*` in the key of a parameter, if that makes it `key`.
+/// Whether `key` is that of the parameter, with any name in the place of `*`.
 bool has_key(const EffectParameter& parameter, const std::string& key) {
   const std::size_t star = parameter.key.find('*');
   if (star == std::string::npos) return !parameter.key.empty() && parameter.key == key;
