@@ -201,7 +201,7 @@ class WorldBullet final : public World {
       return solver_.solve(problem, mass_, gap_, h, options_, impulse, velocity, angular);
     };
     return dvi::solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_,
-                                   spin_after_);
+                                   spin_after_, 1);
   }
 
   StepReport report_of(const std::vector<FoundContact>& found, const dvi::SolveReport& solved) const {

@@ -1,9 +1,11 @@
 #include "backends/dvi/colouring.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <span>
 #include <utility>
 
-#include "backends/dvi/body_blocks.hpp"
+#include "backends/dvi/contacts_by_block.hpp"
 #include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
@@ -12,20 +14,24 @@ namespace {
 
 constexpr std::int32_t colours_of_round = 64;
 
-/// Colours every contact for which `own(i)` holds. Returns the number of colours that may be in use.
-template <class Own>
-std::int32_t colour_greedily(const ConeProblem& problem, Own&& own, std::vector<std::int32_t>& colour) {
-  std::vector<std::uint64_t> used(static_cast<std::size_t>(problem.dynamic_bodies));
+/// Colours the contacts listed. `used`: a word of zeros for each dynamic body that they touch. Returns the number of each colour.
+std::vector<std::int32_t> colour_greedily(const ConeProblem& problem, std::span<const std::int32_t> contacts, std::vector<std::uint64_t>& used,
+                                          std::vector<std::int32_t>& colour) {
+  std::vector<std::int32_t> size;
+  const auto word = [&](std::int32_t body) { return body < problem.dynamic_bodies ? &used[static_cast<std::size_t>(body)] : nullptr; };
   // 64 colours a round; bodies with more contacts than that (a large body under many grains) take further rounds.
   std::int32_t base = 0;
   for (bool left = true; left; base += colours_of_round) {
     left = false;
-    if (base > 0) used.assign(used.size(), 0);
-    for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
-      if (colour[i] >= 0 || !own(i)) continue;
-      const ConeContact& c = problem.contacts[i];
-      std::uint64_t* a = c.a < problem.dynamic_bodies ? &used[static_cast<std::size_t>(c.a)] : nullptr;
-      std::uint64_t* b = c.b < problem.dynamic_bodies ? &used[static_cast<std::size_t>(c.b)] : nullptr;
+    if (base > 0)
+      for (const std::int32_t i : contacts)
+        for (const std::int32_t body : {problem.contacts[static_cast<std::size_t>(i)].a, problem.contacts[static_cast<std::size_t>(i)].b})
+          if (word(body)) *word(body) = 0;
+    for (const std::int32_t i : contacts) {
+      std::int32_t& own = colour[static_cast<std::size_t>(i)];
+      if (own >= 0) continue;
+      const ConeContact& c = problem.contacts[static_cast<std::size_t>(i)];
+      std::uint64_t *a = word(c.a), *b = word(c.b);
       const int k = std::countr_one((a ? *a : 0) | (b ? *b : 0));
       if (k == colours_of_round) {
         left = true;
@@ -33,37 +39,41 @@ std::int32_t colour_greedily(const ConeProblem& problem, Own&& own, std::vector<
       }
       if (a) *a |= std::uint64_t{1} << k;
       if (b) *b |= std::uint64_t{1} << k;
-      colour[i] = base + k;
+      own = base + k;
+      size.resize(std::max(size.size(), static_cast<std::size_t>(own) + 1), 0);
+      ++size[static_cast<std::size_t>(own)];
     }
   }
-  return base;
+  return size;
 }
 
 }  // namespace
 
 Colouring colour_contacts(const ConeProblem& problem, int threads) {
-  const std::size_t n = problem.contacts.size();
-  const BodyBlocks blocks(problem.dynamic_bodies);
-  std::vector<std::int32_t> block(n), colour(n, -1);
-  for_each_index(threads, n, [&](std::size_t i) { block[i] = blocks.of(problem.contacts[i]); });
-  const std::int32_t between = blocks.count();
-  const std::int32_t in_block = between == 0 ? 0 : colour_greedily(problem, [&](std::size_t i) { return block[i] < between; }, colour);
-  const std::int32_t in_all = colour_greedily(problem, [&](std::size_t i) { return block[i] == between; }, colour);
-
-  const auto group_of = [&](std::size_t i) { return static_cast<std::size_t>(block[i] * in_block + colour[i]); };
-  std::vector<std::int32_t> next(static_cast<std::size_t>(between * in_block + in_all), 0);
-  for (std::size_t i = 0; i < n; ++i) ++next[group_of(i)];
+  const ContactsByBlock by_block(problem, threads);
+  const std::size_t parts = by_block.blocks() + 1;
   Colouring result;
+  result.order.resize(problem.contacts.size());
+  std::vector<std::int32_t> colour(problem.contacts.size(), -1);
+  // A block's bodies are its own, but for those of contacts between blocks.
+  const std::vector<std::uint64_t> nobody(static_cast<std::size_t>(problem.dynamic_bodies), 0);
+  std::vector<std::uint64_t> used_within = nobody, used_between = nobody;
+  std::vector<std::vector<std::int32_t>> size(parts);
+  for_each_index_as_it_comes(threads, parts, [&](std::size_t turn) {
+    const std::size_t part = parts - 1 - turn;  // what is between blocks is the longest: first
+    const auto first = by_block.start[part], last = by_block.start[part + 1];
+    const std::span contacts(by_block.contact.data() + first, last - first);
+    size[part] = colour_greedily(problem, contacts, turn == 0 ? used_between : used_within, colour);
+    std::vector<std::size_t> next;
+    std::size_t end = first;
+    for (const std::int32_t n : size[part]) next.push_back(std::exchange(end, end + static_cast<std::size_t>(n)));
+    for (const std::int32_t i : contacts) result.order[next[static_cast<std::size_t>(colour[static_cast<std::size_t>(i)])]++] = i;
+  });
   result.start.push_back(0);
-  for (std::int32_t group = 0; group < static_cast<std::int32_t>(next.size()); ++group) {
-    const bool of_a_block = group < between * in_block;
-    if (of_a_block ? group % in_block == 0 : group == between * in_block) result.block.push_back(result.colours());
-    std::int32_t& place = next[static_cast<std::size_t>(group)];
-    const std::int32_t size = std::exchange(place, result.start.back());
-    if (size > 0) result.start.push_back(place + size);
+  for (const std::vector<std::int32_t>& of_part : size) {
+    result.block.push_back(result.colours());
+    for (const std::int32_t n : of_part) result.start.push_back(result.start.back() + n);
   }
-  result.order.resize(n);
-  for (std::size_t i = 0; i < n; ++i) result.order[static_cast<std::size_t>(next[group_of(i)]++)] = static_cast<std::int32_t>(i);
   return result;
 }
 

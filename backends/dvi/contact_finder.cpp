@@ -17,6 +17,28 @@ constexpr std::size_t chunk_size = 256;  // bodies whose contacts are found by o
 constexpr double resting_share = 0.02;  // of the radius
 constexpr double handed_on = 0.25;       // of the stir: how much of it a blow within the step may add to a pair
 
+std::uint64_t name_of(std::int32_t a, std::int32_t b) {
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
+}
+
+bool stands(std::span<const char> moved, std::int32_t body) { return !moved.empty() && moved[static_cast<std::size_t>(body)] == 0; }
+
+/// Contacts found before, pair by pair, asked for in the same order of pairs.
+class FoundBefore {
+ public:
+  explicit FoundBefore(std::span<const FoundContact> found) : found_(found) {}
+
+  std::span<const FoundContact> next(std::uint64_t bodies) {
+    const std::size_t first = at_;
+    while (at_ < found_.size() && found_[at_].id.bodies == bodies) ++at_;
+    return found_.subspan(first, at_ - first);
+  }
+
+ private:
+  std::span<const FoundContact> found_;
+  std::size_t at_ = 0;
+};
+
 }  // namespace
 
 ContactFinder::ContactFinder(const Model& model, double unit)
@@ -61,12 +83,13 @@ ContactFinder::ContactFinder(const Model& model, double unit)
   stir_.assign(n, 0.0);
 }
 
-void ContactFinder::place_parts(const BodyPlacement& placement, int threads) {
+void ContactFinder::place_parts(const BodyPlacement& placement, std::span<const char> moved, int threads) {
   const auto n = static_cast<std::ptrdiff_t>(model_.bodies.size());
   on_team(threads, [&] {
 #pragma omp for schedule(static)
     for (std::ptrdiff_t i = 0; i < n; ++i) {
       const auto body = static_cast<std::size_t>(i);
+      if (stands(moved, static_cast<std::int32_t>(i))) continue;
       const Body& b = model_.bodies[body];
       const Shape& shape = model_.shapes[static_cast<std::size_t>(b.shape)];
       const double scale = b.scale / unit_;
@@ -82,7 +105,7 @@ void ContactFinder::place_parts(const BodyPlacement& placement, int threads) {
   });
 }
 
-void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
+void ContactFinder::local_speeds(const BodyPlacement& placement, double step, int threads) {
   // Velocities met in each cell of a coarse grid and its 26 neighbours, as a box in velocity space.
   double widest = 0;
   for (std::int32_t i : dynamic_) widest = std::max(widest, bound_[static_cast<std::size_t>(i)]);
@@ -153,7 +176,8 @@ void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
     const Vec3& x = placement.position[free_body];
     cells[find(cell(x, 0), cell(x, 1), cell(x, 2))].meet(placement.velocity[tool]);
   }
-  for (Cell& c : cells) {
+  for_each_index(threads, cells.size(), [&](std::size_t number) {
+    Cell& c = cells[number];
     Cell all;
     for (std::int64_t dz = -1; dz <= 1; ++dz)
       for (std::int64_t dy = -1; dy <= 1; ++dy)
@@ -165,7 +189,7 @@ void ContactFinder::local_speeds(const BodyPlacement& placement, double step) {
           all.high = all.high.cwiseMax(near.high);
         }
     c.stir = (all.high - all.low).norm();
-  }
+  });
   for (std::size_t at = 0; at < dynamic_.size(); ++at)
     stir_[static_cast<std::size_t>(dynamic_[at])] = step * cells[cell_of[at]].stir;
 }
@@ -193,29 +217,24 @@ ContactFinder::Candidate ContactFinder::candidate(const BodyPlacement& placement
   return c;
 }
 
-void ContactFinder::place_candidates(const BodyPlacement& placement, int threads) {
+void ContactFinder::place_candidates(const BodyPlacement& placement, std::span<const char> moved, int threads) {
   candidate_.resize(order_.size());
-  on_team(threads, [&] {
-#pragma omp for schedule(static)
-    for (std::ptrdiff_t rank = 0; rank < static_cast<std::ptrdiff_t>(order_.size()); ++rank)
-      candidate_[static_cast<std::size_t>(rank)] = candidate(placement, order_[static_cast<std::size_t>(rank)]);
+  for_each_index(threads, order_.size(), [&](std::size_t rank) {
+    if (!stands(moved, order_[rank])) candidate_[rank] = candidate(placement, order_[rank]);
   });
 }
 
 template <class Search>
 void ContactFinder::each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search) {
   chunks.resize(count);
-  const auto look = [&](std::size_t i, std::vector<ContactPoint>& scratch) __attribute__((noinline)) {
-    chunks[i].found.clear();
-    search(i, scratch);
-  };
+  const auto look = [&](std::size_t i, Scratch& scratch) __attribute__((noinline)) { search(chunks[i], i, scratch); };
   if (threads <= 1) {  // a shared loop allocates what its threads share, even for one
-    std::vector<ContactPoint> scratch;
+    Scratch scratch;
     for (std::size_t i = 0; i < count; ++i) look(i, scratch);
     return;
   }
   on_team(threads, [&] {
-    std::vector<ContactPoint> scratch;
+    Scratch scratch;
 #pragma omp for schedule(dynamic)
     for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(count); ++i) look(static_cast<std::size_t>(i), scratch);
   });
@@ -232,17 +251,26 @@ void ContactFinder::gather(std::span<const FoundContact> first, const std::vecto
   });
 }
 
-void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, int threads) {
+void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double step, std::span<const char> moved, int threads) {
   std::vector<Candidate> tools;
   for (std::int32_t tool : prescribed_)
     if (present_[static_cast<std::size_t>(tool)]) tools.push_back(candidate(placement, tool));
   const std::size_t chunks = (dynamic_.size() + chunk_size - 1) / chunk_size;
-  each_chunk(tool_chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
-    const std::size_t first = number * chunk_size;
-    for (std::size_t at = first; at < std::min(first + chunk_size, dynamic_.size()); ++at) {
+  each_chunk(tool_chunk_, chunks, threads, [&](Chunk& chunk, std::size_t number, Scratch& scratch) {
+    const std::size_t first = number * chunk_size, last = std::min(first + chunk_size, dynamic_.size());
+    scratch.before.assign(chunk.found.begin(), chunk.found.end());
+    FoundBefore before(scratch.before);
+    chunk.found.clear();
+    for (std::size_t at = first; at < last; ++at) {
       const Candidate body = candidate(placement, dynamic_[at]);
       if (!body.present) continue;
-      for (const Candidate& tool : tools) collide_bodies(body, tool, step, scratch, tool_chunk_[number].found);
+      for (const Candidate& tool : tools) {
+        const auto kept = before.next(name_of(body.body, tool.body));
+        if (stands(moved, body.body))
+          chunk.found.insert(chunk.found.end(), kept.begin(), kept.end());
+        else
+          collide_bodies(body, tool, step, scratch.points, chunk.found);
+      }
     }
   });
   gather({}, tool_chunk_, threads, tool_contacts_);
@@ -309,8 +337,7 @@ void ContactFinder::collide_bodies(const Candidate& x, const Candidate& y, doubl
     }
     for (const Candidate* body : {&a, &b})
       if (body->gated && point.gap < -model_.bodies[static_cast<std::size_t>(body->body)].gate_tolerance / unit_) return;
-    const std::uint64_t bodies = static_cast<std::uint64_t>(a.body) << 32 | static_cast<std::uint64_t>(b.body);
-    out.push_back({{bodies, parts | point.feature}, point});
+    out.push_back({{name_of(a.body, b.body), parts | point.feature}, point});
   };
   if (a.sphere > 0 && b.sphere > 0) {
     const double distance = std::sqrt(squared);
@@ -328,10 +355,10 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
                                                      int threads) {
   search_margin_ = search_margin;
   present_.assign(placement.present.begin(), placement.present.end());
-  place_parts(placement, threads);
+  place_parts(placement, {}, threads);
   std::fill(stir_.begin(), stir_.end(), 0.0);  // what tools touch must not depend on the step before
-  find_tool_contacts(placement, step, threads);
-  local_speeds(placement, step);
+  find_tool_contacts(placement, step, {}, threads);
+  local_speeds(placement, step, threads);
 
   centre_.resize(dynamic_.size());
   reach_.resize(dynamic_.size());
@@ -346,11 +373,11 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
   order_.clear();
   for (std::int32_t i : broad_.order()) order_.push_back(dynamic_[static_cast<std::size_t>(i)]);
 
-  place_candidates(placement, threads);
+  place_candidates(placement, {}, threads);
   const std::size_t chunks = (order_.size() + chunk_size - 1) / chunk_size;
-  each_chunk(chunk_, chunks, threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
-    Chunk& chunk = chunk_[number];
+  each_chunk(chunk_, chunks, threads, [&](Chunk& chunk, std::size_t number, Scratch& scratch) {
     chunk.near.clear();
+    chunk.found.clear();
     const std::size_t first = number * chunk_size;
     for (std::size_t rank = first; rank < std::min(first + chunk_size, order_.size()); ++rank) {
       const Candidate& a = candidate_[rank];
@@ -358,7 +385,7 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
       broad_.partners(rank, [&](std::size_t other) {
         const Candidate& b = candidate_[other];
         if (!b.present) return;
-        collide_bodies(a, b, step, scratch, chunk.found);
+        collide_bodies(a, b, step, scratch.points, chunk.found);
         // A pair that falls side by side may meet all the same, by a blow that is handed on within the step.
         chunk.near.push_back({static_cast<std::int32_t>(rank), static_cast<std::int32_t>(other)});
       });
@@ -368,15 +395,27 @@ const std::vector<FoundContact>& ContactFinder::find(const BodyPlacement& placem
   return found_;
 }
 
-const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& placement, int threads) {
-  place_parts(placement, threads);
+const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& placement, std::span<const char> moved, int threads) {
+  place_parts(placement, moved, threads);
   std::fill(stir_.begin(), stir_.end(), 0.0);
-  find_tool_contacts(placement, 0, threads);
-  place_candidates(placement, threads);
-  each_chunk(chunk_, chunk_.size(), threads, [&](std::size_t number, std::vector<ContactPoint>& scratch) {
-    Chunk& chunk = chunk_[number];
-    for (const auto& [a, b] : chunk.near)
-      collide_bodies(candidate_[static_cast<std::size_t>(a)], candidate_[static_cast<std::size_t>(b)], 0, scratch, chunk.found);
+  find_tool_contacts(placement, 0, moved, threads);
+  place_candidates(placement, moved, threads);
+  const auto rank_stands = [&](std::int32_t rank) { return stands(moved, order_[static_cast<std::size_t>(rank)]); };
+  const auto pair_stands = [&](const auto& pair) { return rank_stands(pair.first) && rank_stands(pair.second); };
+  each_chunk(chunk_, chunk_.size(), threads, [&](Chunk& chunk, std::size_t, Scratch& scratch) {
+    if (std::all_of(chunk.near.begin(), chunk.near.end(), pair_stands)) return;
+    scratch.before.assign(chunk.found.begin(), chunk.found.end());
+    FoundBefore before(scratch.before);
+    chunk.found.clear();
+    for (const auto& pair : chunk.near) {
+      const Candidate& a = candidate_[static_cast<std::size_t>(pair.first)];
+      const Candidate& b = candidate_[static_cast<std::size_t>(pair.second)];
+      const auto kept = before.next(name_of(a.body, b.body));
+      if (pair_stands(pair))
+        chunk.found.insert(chunk.found.end(), kept.begin(), kept.end());
+      else
+        collide_bodies(a, b, 0, scratch.points, chunk.found);
+    }
   });
   gather(tool_contacts_, chunk_, threads, found_);
   return found_;

@@ -50,8 +50,9 @@ class ContactFinder {
   const std::vector<FoundContact>& find(const BodyPlacement& placement, double step, double search_margin, int threads);
 
   /// Contacts of the pairs that the last `find` looked at, at a new placement of the same bodies (the end of the step):
-  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search.
-  const std::vector<FoundContact>& find_again(const BodyPlacement& placement, int threads);
+  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search. `moved`: by body, 0 where it stands
+  /// as in the `find_again` before, whose contacts are kept for pairs of such bodies; empty: the first after a `find`.
+  const std::vector<FoundContact>& find_again(const BodyPlacement& placement, std::span<const char> moved, int threads);
 
   /// What to add to the position of b, so that the image of it that a meets stands there: a whole number of periods along
   /// each periodic axis, 0 along those where one of the two is endless (core/periodic_body.hpp). `position`: of every body.
@@ -82,15 +83,20 @@ class ContactFinder {
   /// What one thread looks at and finds at a time.
   struct Chunk {
     std::vector<std::pair<std::int32_t, std::int32_t>> near;  ///< ranks that any two velocities met nearby could bring together
-    std::vector<FoundContact> found;
+    std::vector<FoundContact> found;  ///< pair by pair
+  };
+  /// Work space of one thread.
+  struct Scratch {
+    std::vector<ContactPoint> points;
+    std::vector<FoundContact> before;
   };
 
   Vec3 shift_between(const Vec3& from, const Vec3& to, std::int32_t a, std::int32_t b) const;
   Candidate candidate(const BodyPlacement& placement, std::int32_t body) const;
-  void place_candidates(const BodyPlacement& placement, int threads);
-  void place_parts(const BodyPlacement& placement, int threads);
-  void find_tool_contacts(const BodyPlacement& placement, double step, int threads);
-  void local_speeds(const BodyPlacement& placement, double step);
+  void place_candidates(const BodyPlacement& placement, std::span<const char> moved, int threads);
+  void place_parts(const BodyPlacement& placement, std::span<const char> moved, int threads);
+  void find_tool_contacts(const BodyPlacement& placement, double step, std::span<const char> moved, int threads);
+  void local_speeds(const BodyPlacement& placement, double step, int threads);
   double cohesion_range(const Candidate& a, const Candidate& b) const;
   void collide_bodies(const Candidate& x, const Candidate& y, double step, std::vector<ContactPoint>& scratch,
                       std::vector<FoundContact>& out) const;
@@ -98,7 +104,7 @@ class ContactFinder {
   template <class Keep>
   void collide_parts(const Candidate& a, const Candidate& b, const Vec3& shift, double margin, std::vector<ContactPoint>& scratch,
                      Keep&& keep) const;
-  /// Runs `search(chunk number, scratch)` for `count` chunks of `chunks`.
+  /// Runs `search(chunk, its number, scratch)` for `count` chunks of `chunks`.
   template <class Search>
   static void each_chunk(std::vector<Chunk>& chunks, std::size_t count, int threads, Search&& search);
   /// `first`, and after it what the chunks have found.

@@ -1,7 +1,10 @@
 #include "backends/dvi/impact.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+
+#include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
 
@@ -37,24 +40,24 @@ Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, 
 
 SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
                                const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
-                               std::vector<Vec3>& angular_velocity) {
+                               std::vector<Vec3>& angular_velocity, int threads) {
   const std::size_t n = problem.contacts.size();
   std::vector<Bounce> bounce(n);
-  bool any_may = false;
-  for (std::size_t i = 0; i < n; ++i) {
+  std::atomic<bool> any_may = false;
+  for_each_index(threads, n, [&](std::size_t i) {
     ConeContact& c = problem.contacts[i];
     const ImpactData& d = data[i];
     if (c.compliance == 0) c.bias = std::max(d.gap, 0.0) / step;
-    if (!(d.restitution > 0) || !(d.before < 0)) continue;
+    if (!(d.restitution > 0) || !(d.before < 0)) return;
     const double free = relative_velocity(c, problem.velocity, problem.angular_velocity)[0];
     bounce[i].may = -d.before > 2 * std::abs(free - d.before);
-    any_may = any_may || bounce[i].may;
+    if (bounce[i].may) any_may.store(true, std::memory_order_relaxed);
     if (bounce[i].may && d.gap + step * free <= 0) {
       bounce[i].active = true;
       c.bias = d.restitution * d.before;
       c.compliance = 0;
     }
-  }
+  });
   SolveReport report = solver(problem, impulse, velocity, angular_velocity);
   if (!any_may) return report;
 

@@ -35,9 +35,9 @@ using ConeSolver = std::function<SolveReport(const ConeProblem& problem, std::sp
                                              std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity)>;
 
 /// Sets the biases by rules 1 and 2, solves, and applies rules 3 and 4. `data`: one per contact. `step`: h. `tolerance`: of
-/// the solver.
+/// the solver. The same bits at any thread count.
 SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
                                const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
-                               std::vector<Vec3>& angular_velocity);
+                               std::vector<Vec3>& angular_velocity, int threads);
 
 }  // namespace repose::dvi

@@ -4,10 +4,8 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
-#include <numeric>
-#include <utility>
 
-#include "backends/dvi/body_blocks.hpp"
+#include "backends/dvi/contacts_by_block.hpp"
 #include "backends/dvi/team.hpp"
 
 namespace repose::dvi {
@@ -58,50 +56,21 @@ class ToVisit {
   std::vector<std::uint64_t> word_;
 };
 
-/// Every contact has a place: those within a block of bodies side by side, then those between blocks. Blocks begin at a word of ToVisit,
-/// so there are places without a contact.
-struct Places {
-  static constexpr std::int32_t none = -1;
-  std::vector<std::int32_t> contact;  ///< by place
-  std::vector<std::size_t> start;     ///< of each block; then of the contacts between blocks
-
-  Places(const ConeProblem& problem, int threads) {
-    const std::size_t n = problem.contacts.size();
-    const BodyBlocks blocks(problem.dynamic_bodies);
-    start.assign(static_cast<std::size_t>(blocks.count()) + 1, 0);
-    if (blocks.count() == 0) {
-      contact.resize(n);
-      std::iota(contact.begin(), contact.end(), 0);
-      return;
-    }
-    std::vector<std::int32_t> block(n);
-    for_each_index(threads, n, [&](std::size_t i) { block[i] = blocks.of(problem.contacts[i]); });
-    std::vector<std::size_t> next(start.size(), 0);
-    for (const std::int32_t of : block) ++next[static_cast<std::size_t>(of)];
-    std::size_t end = 0;
-    for (std::size_t k = 0; k < next.size(); ++k) {
-      start[k] = (end + ToVisit::per_word - 1) / ToVisit::per_word * ToVisit::per_word;
-      end = start[k] + std::exchange(next[k], start[k]);
-    }
-    contact.assign(end, none);
-    for (std::size_t i = 0; i < n; ++i) contact[next[static_cast<std::size_t>(block[i])]++] = static_cast<std::int32_t>(i);
-  }
-
-  std::size_t size() const { return contact.size(); }
-  std::size_t blocks() const { return start.size() - 1; }
-  std::size_t first_between() const { return start.back(); }
-};
-
-/// The places of the contacts of each body, in chains.
+/// The places of the contacts of each body that can move, in chains.
 class PlacesOfBodies {
  public:
-  PlacesOfBodies(const ConeProblem& problem, const Places& places) : first_(problem.velocity.size(), none), next_(2 * places.size()) {
-    for (std::size_t p = 0; p < places.size(); ++p) {
-      if (places.contact[p] == Places::none) continue;
-      const ConeContact& c = problem.contacts[static_cast<std::size_t>(places.contact[p])];
-      add(c.a, 2 * p);
-      add(c.b, 2 * p + 1);
-    }
+  PlacesOfBodies(const ConeProblem& problem, const ContactsByBlock& places, int threads)
+      : first_(static_cast<std::size_t>(problem.dynamic_bodies), none), next_(2 * places.size()) {
+    const auto add_all = [&](std::size_t block) {
+      for (std::size_t p = places.start[block]; p < places.start[block + 1]; ++p) {
+        if (places.contact[p] == ContactsByBlock::none) continue;
+        const ConeContact& c = problem.contacts[static_cast<std::size_t>(places.contact[p])];
+        if (c.a < problem.dynamic_bodies) add(c.a, 2 * p);
+        if (c.b < problem.dynamic_bodies) add(c.b, 2 * p + 1);
+      }
+    };
+    for_each_index_as_it_comes(threads, places.blocks(), add_all);  // a block's chains are its own until here
+    add_all(places.blocks());
   }
 
   template <class Visit>
@@ -132,15 +101,17 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
   for (std::size_t i = 0; i < n && !any_deep; ++i) any_deep = deep(i);
   if (!any_deep) return 0;
 
-  const Places places(problem, threads);
-  const PlacesOfBodies places_of(problem, places);
+  const ContactsByBlock places(problem, threads, ToVisit::per_word);  // blocks are swept side by side and must not share a word
+  const PlacesOfBodies places_of(problem, places, threads);
   // Only contacts that are deep, or whose bodies have moved since they were looked at, can change anything.
   ToVisit to_visit(places.size());
-  for (std::size_t p = 0; p < places.size(); ++p)
-    if (places.contact[p] != Places::none && deep(static_cast<std::size_t>(places.contact[p]))) to_visit.add(p);
+  for_each_index_as_it_comes(threads, places.blocks() + 1, [&](std::size_t block) {
+    for (std::size_t p = places.start[block]; p < places.start[block + 1]; ++p)
+      if (places.contact[p] != ContactsByBlock::none && deep(static_cast<std::size_t>(places.contact[p]))) to_visit.add(p);
+  });
 
   std::vector<double> multiplier(n, 0.0);
-  std::vector<double> moved(problem.velocity.size(), 0.0);  // since its contacts were told
+  std::vector<double> moved(static_cast<std::size_t>(problem.dynamic_bodies), 0.0);  // since its contacts were told
   bool side_by_side = false;                                // blocks are being swept
   const auto move = [&](std::size_t body, const Vec3& shift, const Vec3& turn, const ConeContact& by, const Vec3& arm) {
     if (!(problem.inverse_mass[body].mass > 0)) return;

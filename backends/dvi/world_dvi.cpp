@@ -67,6 +67,7 @@ class WorldDvi final : public World {
     if (second_order()) find_smooth(found, h);
     advance(h);
     bodies_.time += dt;
+    moved_.clear();
     for (int round = 0; round < separation_rounds && !laws_.compliant() && push_overlaps_apart();) ++round;
     wrap();
     return report;
@@ -241,7 +242,8 @@ class WorldDvi final : public World {
       else
         impulse_.assign(found.size(), Impulse{});
       yielding_.add_stops(slot_, h, problem_, impact_, impulse_);
-      solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_, angular_after_);
+      solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_, angular_after_,
+                                  options_.threads);
       solved.iterations = iterations += solved.iterations;
     } while (yielding_.any() && yielding_.release_overloaded(found, problem_, impulse_, h));
     return solved;
@@ -319,13 +321,17 @@ class WorldDvi final : public World {
   bool push_overlaps_apart() {
     const std::size_t n = bodies_.count();
     resting_.resize(n, Vec3::Zero());
-    for_each_index(options_.threads, n, [&](std::size_t i) { rotation_[i] = bodies_.orientation[i].toRotationMatrix(); });
-    const std::vector<FoundContact>& found = finder_.find_again(placement(resting_, resting_), options_.threads);
+    const bool first = moved_.empty();
+    for_each_index(options_.threads, n, [&](std::size_t i) {
+      if (first || moved_[i] != 0) rotation_[i] = bodies_.orientation[i].toRotationMatrix();
+    });
+    const std::vector<FoundContact>& found = finder_.find_again(placement(resting_, resting_), moved_, options_.threads);
     const double deepest =  // over R*
         most_of(options_.threads, found.size(), [&](std::size_t i) { return -found[i].point.gap / arm_of(found[i]); });
     if (deepest <= penetration_slop) return false;
     // The contact problem of this step has been solved and told: its room serves again.
     for_each_index(options_.threads, n, [&](std::size_t i) {
+      if (!first && moved_[i] == 0) return;
       InverseMass& inverse_mass = problem_.inverse_mass[static_cast<std::size_t>(slot_[i])];
       inverse_mass = {};
       if (!bodies_.dynamic[i]) return;
@@ -347,9 +353,11 @@ class WorldDvi final : public World {
       gap_[i] = found[i].point.gap;
     });
     push_apart(problem_, gap_, penetration_slop, options_.threads, displacement_);
+    moved_.resize(n);
     for_each_index(options_.threads, n, [&](std::size_t i) {
       const Displacement& pushed = displacement_[static_cast<std::size_t>(slot_[i])];
-      if (!bodies_.dynamic[i] || (pushed.shift.isZero(0) && pushed.turn.isZero(0))) return;
+      moved_[i] = bodies_.dynamic[i] && !(pushed.shift.isZero(0) && pushed.turn.isZero(0));
+      if (moved_[i] == 0) return;
       bodies_.position[i] += pushed.shift;
       bodies_.turn(i, pushed.turn);
     });
@@ -436,6 +444,7 @@ class WorldDvi final : public World {
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
   std::vector<Vec3> resting_;  // zeros
+  std::vector<char> moved_;    // by body, by the last correction of this step; empty: there was none
   std::vector<double> gap_;
   std::vector<Displacement> displacement_;
 };

@@ -1,6 +1,7 @@
 #include "backends/dvi/world_dvi_impulses.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include "backends/dvi/resize.hpp"
 #include "backends/dvi/team.hpp"
@@ -24,7 +25,7 @@ void LastImpulses::keep(std::span<const FoundContact> found, const ConeProblem& 
     contact_frame(c, t1, t2);
     kept_[i] = {found[i].id, g[0] * c.normal + g[1] * t1 + g[2] * t2, c.arm * (g[3] * t1 + g[4] * t2 + g[5] * c.normal), found[i].point};
   });
-  link();
+  link(threads);
 }
 
 std::size_t LastImpulses::bearer(const ContactId& id) const {
@@ -33,23 +34,23 @@ std::size_t LastImpulses::bearer(const ContactId& id) const {
   return bodies_.bound[a] < bodies_.bound[b] ? a : b;
 }
 
-void LastImpulses::link() {
+void LastImpulses::link(int threads) {
   first_.assign(bodies_.count(), -1);
   resize_sparingly(next_, kept_.size());
-  for (std::size_t k = 0; k < kept_.size(); ++k) {
-    std::int32_t& first = first_[bearer(kept_[k].id)];
-    next_[k] = first;
-    first = static_cast<std::int32_t>(k);
-  }
+  // The order within a chain is chance; no contact is in it twice.
+  for_each_index(threads, kept_.size(), [&](std::size_t k) {
+    next_[k] = std::atomic_ref(first_[bearer(kept_[k].id)]).exchange(static_cast<std::int32_t>(k), std::memory_order_relaxed);
+  });
 }
 
 void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem& problem, double step, int threads,
                          std::vector<Impulse>& impulse) const {
-  reserve_sparingly(impulse, found.size());
-  impulse.assign(found.size(), Impulse{});
-  if (kept_.empty() || step > longest_ratio * step_) return;
-  const double ratio = step / step_;
+  resize_sparingly(impulse, found.size());
+  const bool tells = !kept_.empty() && step <= longest_ratio * step_;
+  const double ratio = tells ? step / step_ : 0;
   for_each_index(threads, found.size(), [&](std::size_t i) {
+    impulse[i] = {};
+    if (!tells) return;
     for (std::int32_t at = first_[bearer(found[i].id)]; at >= 0; at = next_[static_cast<std::size_t>(at)]) {
       const auto k = static_cast<std::size_t>(at);
       if (!(kept_[k].id == found[i].id)) continue;
@@ -116,7 +117,7 @@ bool LastImpulses::restore(const Frame& frame, const Units& units) {
     kept_.push_back(kept);
   }
   step_ = last->second[0] / units.time;
-  link();
+  link(1);
   return true;
 }
 

@@ -39,7 +39,7 @@ class LastImpulses {
   };
   /// The body whose chain a contact is in: a free one, for a tool may touch a whole bed, and the smaller of two.
   std::size_t bearer(const ContactId& id) const;
-  void link();
+  void link(int threads);
 
   const WorldBodies& bodies_;
   std::vector<Kept> kept_;
