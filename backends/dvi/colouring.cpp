@@ -55,9 +55,9 @@ Colouring colour_contacts(const ConeProblem& problem, int threads) {
   Colouring result;
   result.order.resize(problem.contacts.size());
   std::vector<std::int32_t> colour(problem.contacts.size(), -1);
-  // A block's bodies are its own, but for those of contacts between blocks.
-  const std::vector<std::uint64_t> nobody(static_cast<std::size_t>(problem.dynamic_bodies), 0);
-  std::vector<std::uint64_t> used_within = nobody, used_between = nobody;
+  // Blocks share no body: one array serves them all at once. Contacts between them touch any body and have their own.
+  const auto bodies = static_cast<std::size_t>(problem.dynamic_bodies);
+  std::vector<std::uint64_t> used_within(by_block.blocks() > 0 ? bodies : 0, 0), used_between(bodies, 0);
   std::vector<std::vector<std::int32_t>> size(parts);
   for_each_index_as_it_comes(threads, parts, [&](std::size_t turn) {
     const std::size_t part = parts - 1 - turn;  // what is between blocks is the longest: first

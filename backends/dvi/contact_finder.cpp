@@ -255,10 +255,13 @@ void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double st
   std::vector<Candidate> tools;
   for (std::int32_t tool : prescribed_)
     if (present_[static_cast<std::size_t>(tool)]) tools.push_back(candidate(placement, tool));
+  const bool tools_stand = std::all_of(tools.begin(), tools.end(), [&](const Candidate& tool) { return stands(moved, tool.body); });
   const std::size_t chunks = (dynamic_.size() + chunk_size - 1) / chunk_size;
   each_chunk(tool_chunk_, chunks, threads, [&](Chunk& chunk, std::size_t number, Scratch& scratch) {
     const std::size_t first = number * chunk_size, last = std::min(first + chunk_size, dynamic_.size());
-    scratch.before.assign(chunk.found.begin(), chunk.found.end());
+    const auto body_stands = [&](std::int32_t body) { return stands(moved, body); };
+    if (tools_stand && std::all_of(dynamic_.begin() + static_cast<std::ptrdiff_t>(first), dynamic_.begin() + static_cast<std::ptrdiff_t>(last), body_stands)) return;
+    if (!moved.empty()) scratch.before.assign(chunk.found.begin(), chunk.found.end());
     FoundBefore before(scratch.before);
     chunk.found.clear();
     for (std::size_t at = first; at < last; ++at) {
@@ -266,7 +269,7 @@ void ContactFinder::find_tool_contacts(const BodyPlacement& placement, double st
       if (!body.present) continue;
       for (const Candidate& tool : tools) {
         const auto kept = before.next(name_of(body.body, tool.body));
-        if (stands(moved, body.body))
+        if (stands(moved, body.body) && stands(moved, tool.body))
           chunk.found.insert(chunk.found.end(), kept.begin(), kept.end());
         else
           collide_bodies(body, tool, step, scratch.points, chunk.found);
@@ -404,7 +407,7 @@ const std::vector<FoundContact>& ContactFinder::find_again(const BodyPlacement& 
   const auto pair_stands = [&](const auto& pair) { return rank_stands(pair.first) && rank_stands(pair.second); };
   each_chunk(chunk_, chunk_.size(), threads, [&](Chunk& chunk, std::size_t, Scratch& scratch) {
     if (std::all_of(chunk.near.begin(), chunk.near.end(), pair_stands)) return;
-    scratch.before.assign(chunk.found.begin(), chunk.found.end());
+    if (!moved.empty()) scratch.before.assign(chunk.found.begin(), chunk.found.end());
     FoundBefore before(scratch.before);
     chunk.found.clear();
     for (const auto& pair : chunk.near) {

@@ -50,8 +50,8 @@ class ContactFinder {
   const std::vector<FoundContact>& find(const BodyPlacement& placement, double step, double search_margin, int threads);
 
   /// Contacts of the pairs that the last `find` looked at, at a new placement of the same bodies (the end of the step):
-  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search. `moved`: by body, 0 where it stands
-  /// as in the `find_again` before, whose contacts are kept for pairs of such bodies; empty: the first after a `find`.
+  /// those that overlap or stand closer than a fiftieth of the smaller radius. Costs no search. `moved`: empty in the first call after a
+  /// `find`; later by body, 0 where place, turn and velocities are those of the call before: contacts of two such bodies are kept.
   const std::vector<FoundContact>& find_again(const BodyPlacement& placement, std::span<const char> moved, int threads);
 
   /// What to add to the position of b, so that the image of it that a meets stands there: a whole number of periods along

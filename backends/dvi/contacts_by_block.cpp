@@ -1,5 +1,6 @@
 #include "backends/dvi/contacts_by_block.hpp"
 
+#include <numeric>
 #include <utility>
 
 #include "backends/dvi/body_blocks.hpp"
@@ -10,6 +11,12 @@ namespace repose::dvi {
 ContactsByBlock::ContactsByBlock(const ConeProblem& problem, int threads, std::size_t alignment) {
   const std::size_t n = problem.contacts.size();
   const BodyBlocks blocks(problem.dynamic_bodies);
+  if (blocks.count() == 0) {
+    start = {0, n};
+    contact.resize(n);
+    std::iota(contact.begin(), contact.end(), 0);
+    return;
+  }
   std::vector<std::int32_t> block(n);
   for_each_index(threads, n, [&](std::size_t i) { block[i] = blocks.of(problem.contacts[i]); });
   std::vector<std::size_t> next(static_cast<std::size_t>(blocks.count()) + 1, 0);

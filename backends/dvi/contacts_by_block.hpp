@@ -17,7 +17,7 @@ struct ContactsByBlock {
   /// Starts are multiples of `alignment`.
   ContactsByBlock(const ConeProblem& problem, int threads, std::size_t alignment = 1);
 
-  std::size_t size() const { return contact.size(); }
+  std::size_t size() const { return contact.size(); }  ///< places, free ones included
   std::size_t blocks() const { return start.size() - 2; }
   std::size_t first_between() const { return start[blocks()]; }
 };

@@ -35,7 +35,7 @@ using ConeSolver = std::function<SolveReport(const ConeProblem& problem, std::sp
                                              std::vector<Vec3>& velocity, std::vector<Vec3>& angular_velocity)>;
 
 /// Sets the biases by rules 1 and 2, solves, and applies rules 3 and 4. `data`: one per contact. `step`: h. `tolerance`: of
-/// the solver. The same bits at any thread count.
+/// the solver. `threads`: for the first loop over all contacts; the same bits at any number.
 SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
                                const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
                                std::vector<Vec3>& angular_velocity, int threads);

@@ -112,9 +112,9 @@ int push_apart(const ConeProblem& problem, std::span<const double> gap, double s
 
   std::vector<double> multiplier(n, 0.0);
   std::vector<double> moved(static_cast<std::size_t>(problem.dynamic_bodies), 0.0);  // since its contacts were told
-  bool side_by_side = false;                                // blocks are being swept
+  bool side_by_side = false;                                                         // blocks are being swept
   const auto move = [&](std::size_t body, const Vec3& shift, const Vec3& turn, const ConeContact& by, const Vec3& arm) {
-    if (!(problem.inverse_mass[body].mass > 0)) return;
+    if (static_cast<std::int32_t>(body) >= problem.dynamic_bodies || !(problem.inverse_mass[body].mass > 0)) return;
     out[body].shift += shift;
     out[body].turn += turn;
     moved[body] += shift.norm() + turn.norm() * arm.norm();

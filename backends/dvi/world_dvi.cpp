@@ -317,7 +317,7 @@ class WorldDvi final : public World {
 
   /// What the linear step left of overlap (turning bodies, curved tools, the solver's tolerance) is measured by geometry at
   /// the new positions and taken away there. Returns whether it was deep enough to look again, because the correction is
-  /// linear too. At every contact each time: a push may reach far.
+  /// linear too. At every contact each time, for a push may reach far; contacts of bodies that stand are as they were found.
   bool push_overlaps_apart() {
     const std::size_t n = bodies_.count();
     resting_.resize(n, Vec3::Zero());
@@ -443,8 +443,8 @@ class WorldDvi final : public World {
   std::vector<FoundContact> met_;     // those of a step that ends at a touch
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
-  std::vector<Vec3> resting_;  // zeros
-  std::vector<char> moved_;    // by body, by the last correction of this step; empty: there was none
+  std::vector<Vec3> resting_;         // zeros
+  std::vector<char> moved_;           // by body, by the last correction of this step; empty: there was none
   std::vector<double> gap_;
   std::vector<Displacement> displacement_;
 };

@@ -37,7 +37,7 @@ std::size_t LastImpulses::bearer(const ContactId& id) const {
 void LastImpulses::link(int threads) {
   first_.assign(bodies_.count(), -1);
   resize_sparingly(next_, kept_.size());
-  // The order within a chain is chance; no contact is in it twice.
+  // The order within a chain is chance, and nothing comes of it: contacts are looked up by a name that none shares.
   for_each_index(threads, kept_.size(), [&](std::size_t k) {
     next_[k] = std::atomic_ref(first_[bearer(kept_[k].id)]).exchange(static_cast<std::int32_t>(k), std::memory_order_relaxed);
   });
@@ -85,6 +85,8 @@ void LastImpulses::save(Frame& frame, const Units& units) const {
   std::vector<std::int64_t>& ids = frame.integers["contact_ids"];
   numbers.clear();
   ids.clear();
+  numbers.reserve(6 * kept_.size());
+  ids.reserve(2 * kept_.size());
   for (const Kept& kept : kept_) {
     for (int k = 0; k < 3; ++k) numbers.push_back(kept.force[k] * units.impulse());
     for (int k = 0; k < 3; ++k) numbers.push_back(kept.couple[k] * units.impulse() * units.length);

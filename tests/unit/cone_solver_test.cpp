@@ -228,6 +228,23 @@ TEST(ConeSolver, NoContactsNoWork) {
   EXPECT_EQ(s.velocity[0], problem.velocity[0]);
 }
 
+/// Every contact has one colour, and no two of a colour share a dynamic body.
+void expect_colours_part(const ConeProblem& problem, const Colouring& colouring) {
+  std::vector<int> seen(problem.contacts.size());
+  std::vector<int> used(problem.velocity.size(), -1);  // last colour of a body
+  for (int k = 0; k < colouring.colours(); ++k)
+    for (std::int32_t at = colouring.start[std::size_t(k)]; at < colouring.start[std::size_t(k) + 1]; ++at) {
+      const std::int32_t contact = colouring.order[std::size_t(at)];
+      ++seen[std::size_t(contact)];
+      for (const std::int32_t body : {problem.contacts[std::size_t(contact)].a, problem.contacts[std::size_t(contact)].b}) {
+        if (body >= problem.dynamic_bodies) continue;
+        EXPECT_NE(used[std::size_t(body)], k);
+        used[std::size_t(body)] = k;
+      }
+    }
+  for (int times : seen) EXPECT_EQ(times, 1);
+}
+
 TEST(Colouring, NoTwoContactsOfAColourShareADynamicBody) {
   ConeProblem problem = random_bed(6, 4, 2, 0.5, 0.1);
   // One body under very many: more colours than one word of bits.
@@ -237,21 +254,7 @@ TEST(Colouring, NoTwoContactsOfAColourShareADynamicBody) {
     c.b = static_cast<std::int32_t>(i % (problem.dynamic_bodies - 1)) + 1;
     problem.contacts.push_back(c);
   }
-  const Colouring colouring = colour_contacts(problem, 2);
-  std::vector<int> seen(problem.contacts.size());
-  for (int k = 0; k < colouring.colours(); ++k) {
-    std::vector<char> used(problem.velocity.size(), 0);
-    for (std::int32_t at = colouring.start[std::size_t(k)]; at < colouring.start[std::size_t(k) + 1]; ++at) {
-      const std::int32_t contact = colouring.order[std::size_t(at)];
-      ++seen[std::size_t(contact)];
-      for (const std::int32_t body : {problem.contacts[std::size_t(contact)].a, problem.contacts[std::size_t(contact)].b}) {
-        if (body >= problem.dynamic_bodies) continue;
-        EXPECT_FALSE(used[std::size_t(body)]);
-        used[std::size_t(body)] = 1;
-      }
-    }
-  }
-  for (int times : seen) EXPECT_EQ(times, 1);
+  expect_colours_part(problem, colour_contacts(problem, 2));
 }
 
 /// A line of balls that touch, on a floor, all pressed to the left as well.
@@ -284,6 +287,25 @@ ConeProblem long_row(std::int32_t balls) {
     problem.contacts.push_back(c);
   }
   return problem;
+}
+
+TEST(Colouring, IsTheSameAtAnyThreadCountWhereBodiesMakeBlocks) {
+  ConeProblem problem = long_row(40000);
+  // Very many contacts of one body within a block, and of one with all others.
+  for (int i = 1; i <= 130; ++i)
+    for (const std::int32_t distance : {1, 250}) {
+      ConeContact c = problem.contacts[0];
+      c.a = 3000;
+      c.b = 3000 + i * distance;
+      problem.contacts.push_back(c);
+    }
+  const Colouring one = colour_contacts(problem, 1), three = colour_contacts(problem, 3);
+  EXPECT_GT(one.blocks(), 10);
+  EXPECT_GT(one.colours(), 130);
+  EXPECT_EQ(one.order, three.order);
+  EXPECT_EQ(one.start, three.start);
+  EXPECT_EQ(one.block, three.block);
+  expect_colours_part(problem, one);
 }
 
 TEST(Colouring, BlocksShareNoDynamicBody) {

@@ -1,4 +1,5 @@
 /// The search for contacts that keeps those of bodies that stand, against the same search of them all.
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 namespace repose::dvi {
 namespace {
 
-/// Grains of all shapes on a floor, at rest, in a cell that repeats along x; many touch.
+/// Grains of all shapes on a floor and between walls, at rest, in a cell that repeats along x; many touch.
 class Pile {
  public:
   Pile() : model_(made()), n_(model_.bodies.size()), still_(n_, Vec3::Zero()), turning_(n_, 0.0), present_(n_, 1), position_(model_.initial.position) {
@@ -33,10 +34,17 @@ class Pile {
     return moved;
   }
 
+  std::vector<char> lift_floor(double by) {
+    std::vector<char> moved(n_, 0);
+    moved[0] = 1;
+    position_[0].z() += by;
+    return moved;
+  }
+
  private:
   static Model made() {
     test::ModelBuilder builder;
-    builder.material("m").floor("m").periodic(0, 0, 9);
+    builder.material("m").floor("m").floor("m", {0, 1, 0}, {0, 0, 0}).floor("m", {0, -1, 0}, {0, 9, 0}).periodic(0, 0, 9);
     Random random(11, 0);
     const std::vector<std::string> names = grain_shape_names();
     for (int i = 0; i < 900; ++i) {
@@ -70,19 +78,25 @@ TEST(ContactFinder, KeepsTheContactsOfBodiesThatStandAsASearchOfAllFindsThem) {
   Pile pile;
   Random random(2, 0);
   ContactFinder keeping(pile.model(), 1), searching(pile.model(), 1);
-  keeping.find(pile.placement(), 0.1, 1, 2);
-  searching.find(pile.placement(), 0.1, 1, 1);
-  std::vector<char> moved;  // at first all
-  std::vector<std::size_t> contacts;
-  for (const double share : {0.1, 0.02, 0.0, 0.5, 1.0}) {
-    const std::vector<FoundContact>& kept = keeping.find_again(pile.placement(), moved, 2);
-    contacts.push_back(kept.size());
-    expect_same(kept, searching.find_again(pile.placement(), {}, 1));
-    moved = pile.disturb(share, random);
+  for (int step = 0; step < 2; ++step) {
+    keeping.find(pile.placement(), 0.1, 1, 2);
+    searching.find(pile.placement(), 0.1, 1, 1);
+    std::vector<char> moved;  // at first all
+    std::vector<std::size_t> contacts;
+    for (const double share : {0.1, 0.02, 0.0, 0.5, 1.0, 0.0}) {
+      const std::vector<FoundContact>& kept = keeping.find_again(pile.placement(), moved, 2);
+      contacts.push_back(kept.size());
+      expect_same(kept, searching.find_again(pile.placement(), {}, 1));
+      moved = pile.disturb(share, random);
+    }
+    EXPECT_GT(contacts.front(), 300u);
+    EXPECT_NE(contacts[1], contacts[0]);
+    EXPECT_EQ(contacts[3], contacts[2]) << "nothing had moved";
+    moved = pile.lift_floor(0.05);
+    const std::size_t before = keeping.find_again(pile.placement(), moved, 2).size();
+    expect_same(keeping.find_again(pile.placement(), moved, 2), searching.find_again(pile.placement(), {}, 1));
+    EXPECT_NE(before, contacts.back());
   }
-  EXPECT_GT(contacts.front(), 300u);
-  EXPECT_NE(contacts[1], contacts[0]);
-  EXPECT_EQ(contacts[3], contacts[2]) << "nothing had moved";
 }
 
 }  // namespace
