@@ -32,23 +32,23 @@ struct Descriptor {
 
 }  // namespace
 
-void write_durably(const std::filesystem::path& file, std::string_view bytes) {
+void write_durably(const std::filesystem::path& file, std::string_view bytes, std::string_view more) {
   std::filesystem::path aside = file;
   aside += ".partial";
   {
     Descriptor out{::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)};
     if (out.value < 0) fail(aside, "cannot be written", errno);
-    std::string_view rest = bytes;
-    while (!rest.empty()) {
-      const ssize_t n = ::write(out.value, rest.data(), rest.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) {
-        const int code = errno;
-        ::unlink(aside.c_str());
-        fail(file, "cannot be written", code);
+    for (std::string_view rest : {bytes, more})
+      while (!rest.empty()) {
+        const ssize_t n = ::write(out.value, rest.data(), rest.size());
+        if (n < 0 && errno == EINTR) continue;
+        if (n < 0) {
+          const int code = errno;
+          ::unlink(aside.c_str());
+          fail(file, "cannot be written", code);
+        }
+        rest.remove_prefix(static_cast<std::size_t>(n));
       }
-      rest.remove_prefix(static_cast<std::size_t>(n));
-    }
     if (::fsync(out.value) != 0) fail(file, "cannot be made durable", errno);
   }
   if (::rename(aside.c_str(), file.c_str()) != 0) fail(file, "cannot be renamed into place", errno);

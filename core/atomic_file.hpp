@@ -7,9 +7,9 @@
 
 namespace repose {
 
-/// Writes `bytes` to `file`: aside (`file`.partial), fsync, rename, fsync of the folder. Durable when it returns. Throws
+/// Writes `bytes` and then `more` to `file`: aside (`file`.partial), fsync, rename, fsync of the folder. Durable when it returns. Throws
 /// Error (Kind::simulation: what was written before is still good) with the reason of the system.
-void write_durably(const std::filesystem::path& file, std::string_view bytes);
+void write_durably(const std::filesystem::path& file, std::string_view bytes, std::string_view more = {});
 
 /// The whole file. Throws Error if it cannot be read.
 std::string read_bytes(const std::filesystem::path& file);

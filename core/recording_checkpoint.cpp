@@ -17,7 +17,7 @@ constexpr std::size_t header_size = 512;
 constexpr const char* header_format = "repose checkpoint 1, {} bytes, checksum {:016x}\n";
 constexpr const char* remedy = "the file is damaged; the one before it may be intact";
 
-std::string encode(const Checkpoint& c) {
+std::string content_of(const Checkpoint& c) {
   Hdf5Writer file(Hdf5Writer::Packing::plain);
   file.write_text("/run/backend", c.run.backend);
   file.write("/run/identity", std::vector<std::uint64_t>{c.run.model, c.run.scene, c.run.seed});
@@ -29,10 +29,13 @@ std::string encode(const Checkpoint& c) {
   write_snapshot<double>(file, "/state", c.frame.state);
   for (const auto& [name, values] : c.frame.numbers) file.write("/numbers/" + name, values);
   for (const auto& [name, values] : c.frame.integers) file.write("/integers/" + name, values);
-  const std::string content = file.bytes();
+  return file.bytes();
+}
+
+std::string header_of(const std::string& content) {
   std::string header = fmt::format(header_format, content.size(), checksum(content));
   header.resize(header_size);
-  return header + content;
+  return header;
 }
 
 /// -1 if the name is not that of a checkpoint.
@@ -56,7 +59,8 @@ std::vector<std::filesystem::path> find_checkpoints(const std::filesystem::path&
 }
 
 void write_checkpoint(const std::filesystem::path& folder, const Checkpoint& checkpoint) {
-  write_durably(folder / fmt::format("step-{:012d}.h5", checkpoint.frame.step), encode(checkpoint));
+  const std::string content = content_of(checkpoint);
+  write_durably(folder / fmt::format("step-{:012d}.h5", checkpoint.frame.step), header_of(content), content);
   const auto files = find_checkpoints(folder);
   std::error_code ignored;
   for (std::size_t i = 2; i < files.size(); ++i) std::filesystem::remove(files[i], ignored);
