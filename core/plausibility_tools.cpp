@@ -193,4 +193,16 @@ void check_tool_overlaps(const Scene& scene, Findings& findings) {
   }
 }
 
+void check_layer(const Scene& scene, Findings& findings) {
+  if (!scene.layer) return;
+  const LayerSetup& layer = *scene.layer;
+  const auto at = [](double x) { return fmt::format("x = {:.4g} mm", 1e3 * x); };
+  if (layer.to < layer.upper.x())
+    findings.warn("layer.to", fmt::format("the spreader ends at {}, within the region that is measured", at(layer.to)),
+                  fmt::format("go to {} or beyond, or end the region before", at(layer.upper.x())));
+  if (layer.from && *layer.from > layer.lower.x())
+    findings.warn("layer.from", fmt::format("the spreader starts at {}, within the region that is measured", at(*layer.from)),
+                  fmt::format("start at {} or before, or begin the region behind it", at(layer.lower.x())));
+}
+
 }  // namespace repose

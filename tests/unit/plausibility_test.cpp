@@ -59,6 +59,30 @@ TEST(Plausibility, ASoundSceneHasNotesOnly) {
   EXPECT_FALSE(findings.empty());
 }
 
+TEST(Plausibility, WarnsOfASpreaderThatPassesOverAPartOfTheRegionOnly) {
+  const std::string text = R"(
+materials: {pa12: {density: 1020}, steel: {density: 7800}}
+pairs: {pa12-pa12: {friction: 0.5}, pa12-steel: {friction: 0.5}}
+grains: {bed: {material: pa12, count: 5, size: 58 um, fill: {box: {lower: [0, 0, 0], upper: [2 mm, 1 mm, 0.2 mm]}}}}
+tools: {blade: {type: blade, material: steel, thickness: 1 mm, height: 2 mm, width: 1 mm}}
+layer:
+  {spreader: blade, gap: 0.1 mm, speed: 0.1, from: FROM, to: TO, settle: 0.1, settle_time_step: 2.0e-5,
+   region: {lower: [0.5 mm, 0], upper: [1.5 mm, 1 mm]}, surface: {cell: 10 um, square: 58 um}}
+solver: {time_step: 2.0e-5}
+duration: 0.1
+)";
+  const auto found = [&](const std::string& from, const std::string& to) {
+    std::string now = text;
+    now.replace(now.find("FROM"), 4, from);
+    now.replace(now.find("TO"), 2, to);
+    return check_before_realising(parse_scene(now, "layer.yaml"));
+  };
+  EXPECT_EQ(worst(found("0", "1.5 mm"), "layer"), Level::note);
+  EXPECT_EQ(worst(found("0", "1.4 mm"), "layer.to"), Level::warning);
+  EXPECT_EQ(worst(found("0", "1.4 mm"), "layer.from"), Level::note);
+  EXPECT_EQ(worst(found("0.6 mm", "1.6 mm"), "layer.from"), Level::warning);
+}
+
 TEST(Plausibility, JudgesEveryGroup) {
   const struct {
     Override change;
