@@ -189,7 +189,8 @@ bool has_turning_drum(const Scene& scene) {
   });
 }
 
-HistoryRun run_history(const Backend& backend, const SimulationRequest& request, bool allow_unsupported) {
+HistoryRun run_history(const Backend& backend, const SimulationRequest& request, bool allow_unsupported,
+                       const std::function<void(const Progress&)>& progress) {
   HistoryRun result;
   const Scene& scene = *request.scene;
   result.model = realise(scene, request.seed);
@@ -201,6 +202,7 @@ HistoryRun run_history(const Backend& backend, const SimulationRequest& request,
   Keeper keeper(scene, result.model, request);
   RunHooks hooks;
   hooks.interrupted = interrupted;
+  hooks.progress = progress;
   hooks.stepped = [&](const Snapshot& state, const World& stepped) { keeper.keep(state, stepped); };
   if (!request.loads.empty())
     hooks.loads = [&](const Snapshot& state, BodyLoads& loads) {

@@ -1,8 +1,10 @@
 #pragma once
 /// Runs a scene on a backend and keeps what its bodies did: the function that analyses are handed.
+#include <functional>
 #include <memory>
 
 #include "analysis/history.hpp"
+#include "core/run.hpp"
 #include "core/world.hpp"
 
 namespace repose {
@@ -17,12 +19,13 @@ std::vector<std::string> backends_beside(const Backend& own);
 /// A drum with an angular velocity: what the series `surface_angle` needs.
 bool has_turning_drum(const Scene& scene);
 
-/// As above for a model that exists, with its final state: for measurements of a heap.
+/// As above with the model and its final state: for measurements of a heap.
 struct HistoryRun {
   Model model;
   History history;
   Snapshot final_state;
 };
-HistoryRun run_history(const Backend& backend, const SimulationRequest& request, bool allow_unsupported);
+HistoryRun run_history(const Backend& backend, const SimulationRequest& request, bool allow_unsupported,
+                       const std::function<void(const Progress&)>& progress = {});
 
 }  // namespace repose

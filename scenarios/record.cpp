@@ -1,12 +1,17 @@
 /// repose record SCENE.yaml: a simulated run as a recording bundle.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
 #include <limits>
+#include <mutex>
+#include <numeric>
 
 #include "analysis/bundle/read_bundle.hpp"
 #include "analysis/bundle/write_bundle.hpp"
 #include "analysis/heap_measurement.hpp"
+#include "analysis/side_by_side.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
 #include "scenarios/layer_observations.hpp"
@@ -19,6 +24,7 @@ namespace {
 using namespace repose;
 
 constexpr double told_after = 2;  // [s]
+using TellProgress = std::function<void(const Progress&)>;
 
 /// Profile and angle of the heap that a run left.
 void measure_heap_into(const Prepared& prepared, const HistoryRun& run, Observation& o) {
@@ -57,13 +63,14 @@ std::vector<Observation> observe_layer(const SpreadLayer& layer, const RecordBlo
 }
 
 /// Everything that was asked for of any other scene.
-std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock& block, const Options& options, std::uint64_t seed) {
+std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock& block, const Options& options, std::uint64_t seed,
+                                     const TellProgress& progress) {
   SimulationRequest request;
   request.scene = &prepared.scene;
   request.seed = seed;
   for (const Observation& o : block.observables)
     if (o.kind == ObservableKind::series && o.body.empty()) request.series.push_back(o.name);
-  const HistoryRun made = run_history(*prepared.backend, request, options.allow_unsupported);
+  const HistoryRun made = run_history(*prepared.backend, request, options.allow_unsupported, progress);
   const std::vector<double> times = sample_times(block.sensor.rate, prepared.scene.duration);
   std::vector<Observation> result;
   for (Observation o : block.observables) {
@@ -77,7 +84,7 @@ std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock
 }
 
 BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
-                     const Options& options, std::uint64_t seed) {
+                     const Options& options, std::uint64_t seed, const TellProgress& progress) {
   BundleRun run;
   run.id = wanted.id;
   run.set = wanted.set;
@@ -87,7 +94,7 @@ BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordB
     if (!layer) throw Error("", "interrupted", "", Error::Kind::simulation);
     run.observations = observe_layer(*layer, block);
   } else {
-    run.observations = observe_run(prepared, block, options, seed);
+    run.observations = observe_run(prepared, block, options, seed, progress);
   }
   for (std::size_t i = 0; i < run.observations.size(); ++i) {
     Observation& o = run.observations[i];
@@ -100,23 +107,51 @@ BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordB
   return run;
 }
 
+/// How far all runs are, which several threads tell.
+class RecordingProgress {
+ public:
+  RecordingProgress(const Options& options, std::size_t runs) : display_(options.quiet), share_(runs, 0.0) {}
+
+  void tell(std::size_t run, double share, const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    share_[run] = share;
+    const double all = static_cast<double>(share_.size()), done = std::accumulate(share_.begin(), share_.end(), 0.0);
+    const double so_far = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+    if (so_far > told_after) display_.show(done, all, done > 0 ? so_far * (all / done - 1) : 0, text);
+  }
+
+ private:
+  std::mutex mutex_;
+  ProgressDisplay display_;
+  std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  std::vector<double> share_;  ///< done of each run
+};
+
+/// Runs side by side: each has the threads that are left for it.
 void record_runs(const RecordBlock& block, const Options& options, Bundle& bundle) {
-  ProgressDisplay display(options.quiet);
-  const auto begun = std::chrono::steady_clock::now();
-  for (std::size_t i = 0; i < block.runs.size(); ++i) {
-    const double done = static_cast<double>(i), all = static_cast<double>(block.runs.size());
-    const double so_far = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-    if (so_far > told_after) display.show(done, all, so_far * (all / done - 1), "recording " + block.runs[i].id);
+  const std::size_t count = block.runs.size();
+  const int at_once = std::clamp(static_cast<int>(count), 1, options.threads);
+  Options of_one = options;
+  of_one.threads = options.threads / at_once;
+  RecordingProgress progress(options, count);
+  std::once_flag told;
+  bundle.runs.resize(count);
+  side_by_side(count, at_once, [&](std::size_t i) {
     std::vector<Override> changes = options.overrides;
     changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
     changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
     const Scene scene = load_scene(options.file, changes);
     // Where the scene puts a spreader holds for `repose run` alone.
-    Prepared prepared = prepare_quietly(scene.layer ? bed_scene(scene) : scene, options);
-    if (i == 0) tell(prepared.findings);  // the runs differ in little
+    Prepared prepared = prepare_quietly(scene.layer ? bed_scene(scene) : scene, of_one);
+    std::call_once(told, [&] { tell(prepared.findings); });  // the runs differ in little
     solve_closely(prepared);
-    bundle.runs.push_back(record_run(scene, prepared, block, block.runs[i], options, options.seed + i));
-  }
+    const std::string text = "recording " + block.runs[i].id;
+    progress.tell(i, 0, text);
+    bundle.runs[i] = record_run(scene, prepared, block, block.runs[i], of_one, options.seed + i, [&](const Progress& now) {
+      progress.tell(i, static_cast<double>(now.step) / static_cast<double>(std::max<std::int64_t>(1, now.steps)), text);
+    });
+    progress.tell(i, 1, text);
+  });
 }
 
 int record(const Options& options) {

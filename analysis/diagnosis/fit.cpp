@@ -9,7 +9,7 @@
 
 #include <Eigen/Dense>
 
-#include "analysis/diagnosis/side_by_side.hpp"
+#include "analysis/side_by_side.hpp"
 
 namespace repose::diagnosis {
 namespace {

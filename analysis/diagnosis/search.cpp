@@ -6,8 +6,8 @@
 #include <limits>
 #include <mutex>
 
-#include "analysis/diagnosis/side_by_side.hpp"
 #include "analysis/diagnosis/verdict.hpp"
+#include "analysis/side_by_side.hpp"
 
 namespace repose::diagnosis {
 namespace {
@@ -41,7 +41,7 @@ Search::Search(const Problem& problem, std::vector<std::size_t> train, SearchOpt
 
 void Search::run_nominal() {
   calibrate();
-  lack_ = judge(fits_.front());
+  lack_ = lack_in(fits_.front());
 }
 
 std::size_t Search::best() const {
@@ -65,7 +65,7 @@ void Search::run() {
     if (!stopped()) fit_parts_of_pairs();
     if (stopped() || !guard()) return;
     left_.clear();
-    lack_ = judge(fits_.front());
+    lack_ = lack_in(fits_.front());
   }
 }
 
@@ -102,7 +102,7 @@ bool Search::wanted(const Term& term) const {
 }
 
 /// Steps 4 and 5 about any fit.
-LackOfFit Search::judge(const Fit& fit) {
+LackOfFit Search::lack_in(const Fit& fit) {
   LackOfFit lack;
   // Where the path jumps with the step, slopes tell nothing of what is left, but its size does.
   if (!fit.layout.numerics.backend.empty() && leaves_noise(fit)) return lack;
@@ -217,7 +217,7 @@ const LackOfFit& Search::left_by(std::size_t fit) {
   if (fit == 0) return lack_;
   const std::string label = fits_[fit].layout.hypothesis.label();
   const auto found = left_.find(label);
-  return found != left_.end() ? found->second : left_.emplace(label, judge(fits_[fit])).first->second;
+  return found != left_.end() ? found->second : left_.emplace(label, lack_in(fits_[fit])).first->second;
 }
 
 /// Beside every single that was fitted, however little it explains alone: a wrong ruler outweighs what two right effects leave.

@@ -1,4 +1,4 @@
-#include "analysis/diagnosis/side_by_side.hpp"
+#include "analysis/side_by_side.hpp"
 
 #include <atomic>
 #include <exception>
@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-namespace repose::diagnosis {
+namespace repose {
 
 void side_by_side(std::size_t count, int threads, const std::function<void(std::size_t)>& task) {
   std::atomic<std::size_t> next{0};
@@ -28,4 +28,4 @@ void side_by_side(std::size_t count, int threads, const std::function<void(std::
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace repose::diagnosis
+}  // namespace repose
