@@ -60,10 +60,8 @@ Table parameters(const Diagnosis& d) {
   std::vector<ParameterEstimate> all = parameters_of(best, "");
   for (const std::string& effect : best.hypothesis.names())
     for (const ParameterEstimate& p : parameters_of(best, effect)) all.push_back(p);
-  for (const ParameterEstimate& p : all) {
-    if (p.effect.empty() && std::none_of(best.parameters.begin(), best.parameters.end(), [&](const auto& own) { return own.name == p.name; })) continue;
+  for (const ParameterEstimate& p : all)
     table.rows.push_back({p.name, p.effect.empty() ? "calibrated" : effects_in_words({p.effect}), number(p.value, 4), number(p.lower, 4), number(p.upper, 4), written_unit(p.unit)});
-  }
   return table;
 }
 

@@ -7,7 +7,6 @@
 #include <map>
 
 #include "analysis/report/report.hpp"
-#include "analysis/statistics.hpp"
 
 namespace repose {
 namespace {
@@ -20,26 +19,6 @@ std::string with_spaces(std::string name) {
 }
 
 bool is_component(const std::string& name) { return name == "0" || name == "1" || name == "2"; }
-
-/// A parameter that each run has for itself, over the fitted runs.
-ParameterEstimate over_runs(const FittedHypothesis& model, const Parameter& parameter) {
-  std::vector<double> values;
-  for (const std::size_t run : model.fit.runs)
-    for (std::size_t i = 0; i < model.fit.layout.per_run[run].size(); ++i) {
-      const Parameter& p = model.fit.layout.per_run[run][i];
-      if (p.effect == parameter.effect && p.key == parameter.key && p.component == parameter.component) values.push_back(model.fit.own[run][static_cast<Eigen::Index>(i)]);
-    }
-  const Summary s = summarise(values);
-  const double half = s.n > 1 ? student_t_quantile(0.95, static_cast<int>(s.n) - 1) * s.se : 0;
-  ParameterEstimate e;
-  e.name = parameter.key;
-  e.unit = parameter.unit;
-  e.effect = parameter.effect;
-  e.value = s.mean;
-  e.lower = s.mean - half;
-  e.upper = s.mean + half;
-  return e;
-}
 
 }  // namespace
 
@@ -90,14 +69,6 @@ std::vector<ParameterEstimate> parameters_of(const FittedHypothesis& model, cons
   std::vector<ParameterEstimate> list;
   for (const ParameterEstimate& p : model.parameters)
     if (p.effect == effect) list.push_back(p);
-  if (model.fit.runs.empty()) return list;
-  // Of several sensors the second has the name "sensor_bias.bias (2)".
-  std::map<std::string, int> seen;
-  for (const Parameter& p : model.fit.layout.per_run[model.fit.runs.front()]) {
-    if (p.effect != effect) continue;
-    list.push_back(over_runs(model, p));
-    if (const int number = ++seen[p.key]; number > 1) list.back().name += fmt::format(" ({})", number);
-  }
   return list;
 }
 

@@ -23,8 +23,7 @@ std::string value_in_words(const diagnosis::ParameterEstimate& p);
 /// The typical residual in units of the noise, sqrt(chi^2 per degree of freedom).
 double error_in_sigma(const diagnosis::Score& score);
 
-/// The parameters of an effect in a model: those shared by all runs, then those that each run has for itself (a clock's offset), as the mean
-/// over the fitted runs with Student's 90 % interval (one run: no width).
+/// The parameters of an effect in a model.
 std::vector<diagnosis::ParameterEstimate> parameters_of(const diagnosis::FittedHypothesis& model, const std::string& effect);
 
 /// Probability that the effect is missing, alone or with another.

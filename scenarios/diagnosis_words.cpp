@@ -116,6 +116,9 @@ std::string when_nothing_is_missing(const Diagnosis& d) {
   const std::size_t n = nominal.held_out.runs.size();
   std::string text = d.lack_of_fit_p > diagnosis::level
                          ? fmt::format("Nothing is missing: the scene explains the recordings within their noise (lack of fit p = {:.2g}). ", d.lack_of_fit_p)
+                     : d.held_out_p
+                         ? fmt::format("Nothing is missing that the recordings show twice: the fitted ones differ as chance makes one in {:.0f} differ (p = {:.2g}), those that were "
+                                       "held out do not (p = {:.2g}). ", 1 / d.lack_of_fit_p, d.lack_of_fit_p, *d.held_out_p)
                          : fmt::format("Nothing that could be called physics is missing: what stands out (p = {:.2g}) is smaller than what the step of another "
                                        "simulation may do. ", d.lack_of_fit_p);
   std::vector<std::string> constants;

@@ -13,10 +13,11 @@ struct SuggestedRecording {
   double power = 0;            ///< chance that a test at 1 % tells them apart, with this many runs and this noise
 };
 
-/// Simulates both fits with changed starts (speeds, spins and heights halved, doubled and quadrupled, one kind at a time) on every
-/// run of `first`, and takes the change with the largest separation
+/// Simulates both fits with changed starts (speeds, spins and heights, free or given) and with changed settings (plain numbers that the
+/// bundle sets for its runs: a size, a mass), halved, doubled and quadrupled, one kind at a time, on every run of `first`, and takes the change
+/// with the largest separation
 ///   lambda = |(1 - P_J)(r_first - r_second)|^2,   power = P(N(0, 1) > 2.58 - sqrt(lambda)),
-/// where P_J projects on what new start values could imitate. Without start values to change: the same runs again, more often.
+/// where P_J projects on what free start values could imitate. Without anything to change: the same runs again, more often.
 SuggestedRecording recording_that_parts(const Problem& problem, const Fit& first, const Fit& second);
 
 }  // namespace repose::diagnosis

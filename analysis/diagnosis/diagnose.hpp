@@ -9,6 +9,7 @@
 ///  11 before and after on held-out runs, score.hpp 12 write back: the extended scene
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,7 @@ struct Diagnosis {
   std::size_t best = 0;                   ///< the extended one; 0: nominal
   double lack_of_fit_p = 1; ///< of the nominal: by the bootstrap if there was one, else from noise alone
   double remaining_p = 1;   ///< the same of the best model
+  std::optional<double> held_out_p;  ///< of the nominal in runs that were not fitted, where these alone make the verdict `none`: what stood out was chance
   double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes, on the runs (fitted or held out) where it removes less
   int replicas = 0;         ///< behind lack_of_fit_p
   bool bootstrapped = false;

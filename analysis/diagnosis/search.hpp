@@ -50,6 +50,8 @@ class Search {
   std::size_t base() const { return base_; }
   /// What the fit leaves; computed when it is first asked for.
   const LackOfFit& left_by(std::size_t fit);
+  /// What any fit of the problem leaves in its runs.
+  LackOfFit lack_in(const Fit& fit);
   /// The fit of smallest chi^2 + 2 parameters.
   std::size_t best() const;
   bool interrupted() const { return interrupted_; }
@@ -63,7 +65,6 @@ class Search {
   void tell(const std::string& stage, double done, double total) const;
   void calibrate();
   void compare_as_given();
-  LackOfFit judge(const Fit& fit);
   std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms);
   Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;
   Fit improved(const Fit& fit) const;

@@ -151,7 +151,7 @@ void Search::fit_as_made() {
     for (const Numerics& way : ways) {
       if (stopped()) return;
       Fit fit = solve(order[i], way);
-      if (!(fit.chi2 < std::min(least, fits_[order[i]].chi2 - gain_of_numerics)) || !leaves_noise(fit) || judge(fit).p <= level) continue;
+      if (!(fit.chi2 < std::min(least, fits_[order[i]].chi2 - gain_of_numerics)) || !leaves_noise(fit) || lack_in(fit).p <= level) continue;
       least = fit.chi2;
       found = way;
       made.insert_or_assign(order[i], std::move(fit));

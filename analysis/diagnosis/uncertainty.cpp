@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Dense>
 
+#include "analysis/statistics.hpp"
 #include "core/random.hpp"
 
 namespace repose::diagnosis {
@@ -103,6 +105,55 @@ double reach(const Problem& problem, const Fit& fit, std::size_t index, double s
   return bracketed ? 0.5 * (inside + outside) : inside_rise > 0 ? std::min(most, inside * std::sqrt(wanted / inside_rise)) : most;
 }
 
+/// Standard errors of the values that `run`, the only one of the fit, has for itself.
+Eigen::VectorXd own_errors(const Problem& problem, const Fit& fit, std::size_t run, double scale) {
+  const RunJacobian j = jacobian(problem, fit, run);
+  Eigen::MatrixXd all(j.own.rows(), j.shared.cols() + j.own.cols());
+  all << j.shared, j.own;
+  const Eigen::MatrixXd covariance = (all.transpose() * all).eval().completeOrthogonalDecomposition().pseudoInverse();
+  return scale * covariance.diagonal().tail(j.own.cols()).cwiseMax(0).cwiseSqrt();
+}
+
+ParameterEstimate named_after(const Parameter& p, double value) {
+  ParameterEstimate e;
+  e.name = p.component < 0 || p.use == Parameter::Use::bias ? p.key : fmt::format("{}.{}", p.key, p.component);
+  e.unit = p.unit;
+  e.effect = p.effect;
+  e.value = value;
+  return e;
+}
+
+/// What an effect gives to each run for itself.
+std::vector<ParameterEstimate> estimates_over_runs(const Problem& problem, const Fit& fit, double scale) {
+  std::vector<ParameterEstimate> list;
+  if (fit.runs.empty()) return list;
+  Eigen::VectorXd se;
+  std::map<std::string, int> seen;
+  for (const Parameter& p : fit.layout.per_run[fit.runs.front()]) {
+    if (p.effect.empty()) continue;  // a start value
+    std::vector<double> values;
+    double half = 0;
+    for (const std::size_t run : fit.runs)
+      for (std::size_t i = 0; i < fit.layout.per_run[run].size(); ++i) {
+        const Parameter& q = fit.layout.per_run[run][i];
+        const auto k = static_cast<Eigen::Index>(i);
+        if (q.effect != p.effect || q.key != p.key || q.component != p.component) continue;
+        values.push_back(fit.own[run][k]);
+        if (fit.runs.size() > 1) continue;
+        if (se.size() == 0) se = own_errors(problem, fit, run, scale);
+        half = ninety * se[k];
+      }
+    const Summary summary = summarise(values);
+    if (summary.n > 1) half = student_t_quantile(0.95, static_cast<int>(summary.n) - 1) * summary.se;
+    ParameterEstimate e = named_after(p, summary.mean);
+    if (const int number = ++seen[p.key]; number > 1) e.name += fmt::format(" ({})", number);
+    e.lower = e.value - half;
+    e.upper = e.value + half;
+    list.push_back(e);
+  }
+  return list;
+}
+
 }  // namespace
 
 Interval profile_interval(const Problem& problem, const Fit& fit, std::size_t index, double se, double scale, const FitOptions& options) {
@@ -152,11 +203,7 @@ std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit,
   for (std::size_t i = 0; i < fit.layout.shared.size(); ++i) {
     const Parameter& p = fit.layout.shared[i];
     const auto k = static_cast<Eigen::Index>(i);
-    ParameterEstimate e;
-    e.name = p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component);
-    e.unit = p.unit;
-    e.effect = p.effect;
-    e.value = fit.shared[k];
+    ParameterEstimate e = named_after(p, fit.shared[k]);
     Interval interval{std::max(p.lower, e.value - ninety * se[k]), std::min(p.upper, e.value + ninety * se[k])};
     if (profiled) interval = profile_interval(problem, fit, i, se[k], scale, options);
     e.lower = interval.lower;
@@ -164,6 +211,7 @@ std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit,
     if (!over_runs.empty()) e.over_runs = over_runs[i];
     result.push_back(e);
   }
+  for (ParameterEstimate& e : estimates_over_runs(problem, fit, scale)) result.push_back(std::move(e));
   return result;
 }
 

@@ -23,11 +23,14 @@ std::vector<Interval> run_bootstrap(const Problem& problem, const Fit& fit, int 
 
 struct ParameterEstimate {
   std::string name, unit, effect;
-  double value = 0, lower = 0, upper = 0;   ///< 90 %: of the profile likelihood
+  double value = 0, lower = 0, upper = 0;   ///< 90 %
   std::optional<Interval> over_runs;        ///< 90 %: of the bootstrap over runs
 };
 
-/// `scale`: of the residuals, in units of the noise. `profiled`: whether intervals come from the profile, or from the curvature alone.
+/// Of all shared parameters, then of those that an effect gives to each run for itself (a clock's offset, a sensor's bias; of several sensors
+/// the second is called "sensor_bias.bias (2)"). Intervals of shared ones are those of the profile likelihood if `profiled`, else of the
+/// curvature at the fit; of the others the mean over the runs has Student's, and the value of a single run the curvature's. `scale`: of the
+/// residuals, in units of the noise.
 std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit, double scale, bool profiled, std::uint64_t seed,
                                          const FitOptions& options);
 

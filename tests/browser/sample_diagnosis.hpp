@@ -174,7 +174,8 @@ inline diagnosis::Diagnosis sample_measurement() {
   diagnosis::Diagnosis d = sample_missing();
   d.verdict.word = "measurement";
   d.models[1] = sample::model({{find_effect("length_scale"), ""}, {find_effect("time_offset"), ""}}, 1.02);
-  d.models[1].parameters = {sample::estimate("length_scale.factor", "1", "length_scale", 1.03, 0.002)};
+  d.models[1].parameters = {sample::estimate("length_scale.factor", "1", "length_scale", 1.03, 0.002),
+                            sample::estimate("time_offset.offset", "s", "time_offset", 0.0115, 0.0015)};
   diagnosis::FittedHypothesis& m = d.models[1];
   for (const std::size_t run : m.fit.runs) {
     diagnosis::Parameter p;

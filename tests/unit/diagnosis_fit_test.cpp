@@ -247,6 +247,43 @@ TEST(Intervals, CoverTheTruthAsOftenAsTheySay) {
   EXPECT_LE(covered, 60);
 }
 
+/// Recordings whose clock is late, in run k by late + k * further [s].
+Bundle late_flights(const Flights& f, double late, double further) {
+  Bundle bundle = flights(f);
+  for (std::size_t k = 0; k < bundle.runs.size(); ++k)
+    for (double& t : bundle.runs[k].observations[0].time) t += late + static_cast<double>(k) * further;
+  return bundle;
+}
+
+std::vector<ParameterEstimate> of_late_clocks(const Bundle& bundle) {
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout(of("time_offset")), all(bundle)), {});
+  return estimates(problem, fit, 1, false, 1, {});
+}
+
+TEST(Intervals, OfWhatEachRunHasForItselfAreThoseOfTheMean) {
+  const std::vector<ParameterEstimate> found = of_late_clocks(late_flights({.noise = 1e-7}, 0.010, 0.001));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name, "time_offset.offset");
+  EXPECT_EQ(found[0].effect, "time_offset");
+  // Of 0.010, 0.011, 0.012, 0.013: mean 0.0115, standard error 0.00129099 / 2, t(0.95, 3) = 2.353363.
+  EXPECT_NEAR(found[0].value, 0.0115, 1e-6);
+  EXPECT_NEAR(found[0].upper - found[0].value, 2.353363 * 0.00129099 / 2, 1e-6);
+  EXPECT_NEAR(found[0].value - found[0].lower, 2.353363 * 0.00129099 / 2, 1e-6);
+}
+
+TEST(Intervals, OfWhatASingleRunHasForItselfCoverTheTruthAsOftenAsTheySay) {
+  int covered = 0;
+  for (int n = 0; n < 60; ++n) {
+    const Bundle bundle = late_flights({.velocities = {{3, 0, 2}}, .seed = static_cast<std::uint64_t>(300 + n)}, 0.010, 0);
+    const ParameterEstimate found = of_late_clocks(bundle).at(0);
+    covered += found.lower <= 0.010 && 0.010 <= found.upper;
+  }
+  // 54 expected; binomial limits of 0.1 %.
+  EXPECT_GE(covered, 45);
+  EXPECT_LT(covered, 60);
+}
+
 TEST(Intervals, OfTheRunsNeedSixAndAreOfTheSameSize) {
   Flights f{.truth = "{uniform_force: {force: [0.001, 0, 0]}}"};
   const Bundle few = flights(f);

@@ -145,7 +145,6 @@ TEST(DiagnosisJson, says_what_the_diagnosis_holds) {
   EXPECT_DOUBLE_EQ(result["fit"]["heldout"]["nominal"]["chi2_per_dof"], 9.1 * 9.1);
   EXPECT_EQ(result["suggested_recordings"][0]["separates"], (json{"rolling_friction", "quadratic_drag"}));
   EXPECT_EQ(result["where"][0]["run"], "push-1");
-  // Each run has its own clock: the mean stands for them.
   const json ruler = diagnosis_json(test::sample_measurement());
   EXPECT_EQ(ruler["missing"].size(), 2U);
   EXPECT_NEAR(ruler["missing"][1]["parameters"]["time_offset.offset"]["value"].get<double>(), 0.0115, 1e-12);
