@@ -229,7 +229,7 @@ class Runner {
   StepRecord log_line() {
     StepRecord line{state_.time, last_};
     if (tracked_.empty()) return line;
-    world_.read(contacts_);
+    world_.read_at(tracked_, contacts_);
     const auto first = static_cast<std::size_t>(tracked_.front());
     const Vec3 centre = state_.position[first];
     if (const Body& body = model_.bodies[first]; body.yield) {

@@ -1,8 +1,10 @@
 #pragma once
 /// The interface of a backend: a world that steps, tells its state and contacts, and can be saved and restored.
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +51,13 @@ class World {
   virtual void read(Snapshot& state) const = 0;
   /// Contact points of the last step, in a fixed order; those without force included.
   virtual void read(std::vector<Contact>& contacts) const = 0;
+  /// The same of the bodies listed (ascending) alone; a backend may spare itself the others.
+  virtual void read_at(std::span<const int> bodies, std::vector<Contact>& contacts) const {
+    read(contacts);
+    std::erase_if(contacts, [&](const Contact& c) {
+      return !std::binary_search(bodies.begin(), bodies.end(), c.a) && !std::binary_search(bodies.begin(), bodies.end(), c.b);
+    });
+  }
   virtual void save(Frame& frame) const = 0;
   /// Continues from `frame` bit for bit (if the backend can: DVI does). Throws Error if it does not fit the model.
   virtual void restore(const Frame& frame) = 0;

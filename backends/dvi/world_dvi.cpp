@@ -77,6 +77,10 @@ class WorldDvi final : public World {
 
   void read(std::vector<Contact>& contacts) const override { last_.read(contacts, units_, options_.threads); }
 
+  void read_at(std::span<const int> bodies, std::vector<Contact>& contacts) const override {
+    last_.read_at(bodies, contacts, units_, options_.threads);
+  }
+
   void save(Frame& frame) const override {
     read(frame.state);
     last_.save(frame, units_);

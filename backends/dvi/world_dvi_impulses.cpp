@@ -65,19 +65,33 @@ void LastImpulses::start(std::span<const FoundContact> found, const ConeProblem&
   });
 }
 
+Contact LastImpulses::told(const Kept& kept, const Units& units) const {
+  Contact contact;
+  contact.a = kept.id.a();
+  contact.b = kept.id.b();
+  contact.point = kept.point.point * units.length;
+  contact.normal = kept.point.normal;
+  contact.gap = kept.point.gap * units.length;
+  contact.force = kept.force * (units.force() / step_);
+  contact.torque = kept.couple * (units.force() * units.length / step_);
+  return contact;
+}
+
 void LastImpulses::read(std::vector<Contact>& contacts, const Units& units, int threads) const {
   resize_sparingly(contacts, kept_.size());
-  for_each_index(threads, kept_.size(), [&](std::size_t i) {
-    const Kept& kept = kept_[i];
-    Contact& contact = contacts[i];
-    contact.a = kept.id.a();
-    contact.b = kept.id.b();
-    contact.point = kept.point.point * units.length;
-    contact.normal = kept.point.normal;
-    contact.gap = kept.point.gap * units.length;
-    contact.force = kept.force * (units.force() / step_);
-    contact.torque = kept.couple * (units.force() * units.length / step_);
-  });
+  for_each_index(threads, kept_.size(), [&](std::size_t i) { contacts[i] = told(kept_[i], units); });
+}
+
+void LastImpulses::read_at(std::span<const int> bodies, std::vector<Contact>& contacts, const Units& units, int threads) const {
+  const auto listed = [&](std::int32_t body) { return std::binary_search(bodies.begin(), bodies.end(), body); };
+  contacts.clear();
+  for (const std::vector<Contact>& some : by_blocks(threads, kept_.size(), [&](std::size_t first, std::size_t last) {
+         std::vector<Contact> found;
+         for (std::size_t k = first; k < last; ++k)
+           if (listed(kept_[k].id.a()) || listed(kept_[k].id.b())) found.push_back(told(kept_[k], units));
+         return found;
+       }))
+    contacts.insert(contacts.end(), some.begin(), some.end());
 }
 
 void LastImpulses::save(Frame& frame, const Units& units) const {

@@ -25,6 +25,7 @@ class LastImpulses {
              std::vector<Impulse>& impulse) const;
 
   void read(std::vector<Contact>& contacts, const Units& units, int threads) const;
+  void read_at(std::span<const int> bodies, std::vector<Contact>& contacts, const Units& units, int threads) const;
   void save(Frame& frame, const Units& units) const;
   /// False, and nothing is changed, if the frame holds no such thing, or contacts of bodies that there are not.
   bool restore(const Frame& frame, const Units& units);
@@ -39,6 +40,7 @@ class LastImpulses {
   };
   /// The body whose chain a contact is in: a free one, for a tool may touch a whole bed, and the smaller of two.
   std::size_t bearer(const ContactId& id) const;
+  Contact told(const Kept& kept, const Units& units) const;
   void link(int threads);
 
   const WorldBodies& bodies_;

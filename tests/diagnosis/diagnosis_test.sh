@@ -22,7 +22,11 @@ case $case in
     "$check" "$work/out" "$work/bundle" missing quadratic_drag effects.quadratic_drag.coefficient 0.47
     ;;
   nothing)
-    record "$source/tests/diagnosis/thrown.yaml"
+    # Runs are recorded side by side: how many at once must not show.
+    record "$source/tests/diagnosis/thrown.yaml" --threads 1
+    mv -- "$work/bundle" "$work/one_by_one"
+    record "$source/tests/diagnosis/thrown.yaml" --threads 3
+    diff -r "$work/one_by_one" "$work/bundle"
     diagnose
     "$check" "$work/out" "$work/bundle" none
     ;;
