@@ -134,7 +134,6 @@ void record_runs(const RecordBlock& block, const Options& options, Bundle& bundl
   Options of_one = options;
   of_one.threads = options.threads / at_once;
   RecordingProgress progress(options, count);
-  std::once_flag told;
   bundle.runs.resize(count);
   side_by_side(count, at_once, [&](std::size_t i) {
     std::vector<Override> changes = options.overrides;
@@ -143,7 +142,7 @@ void record_runs(const RecordBlock& block, const Options& options, Bundle& bundl
     const Scene scene = load_scene(options.file, changes);
     // Where the scene puts a spreader holds for `repose run` alone.
     Prepared prepared = prepare_quietly(scene.layer ? bed_scene(scene) : scene, of_one);
-    std::call_once(told, [&] { tell(prepared.findings); });  // the runs differ in little
+    if (i == 0) tell(prepared.findings);  // the runs differ in little
     solve_closely(prepared);
     const std::string text = "recording " + block.runs[i].id;
     progress.tell(i, 0, text);
