@@ -1,11 +1,13 @@
 #include "core/hdf5_file.hpp"
 
+#include <fmt/format.h>
 #include <hdf5.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <type_traits>
 #include <utility>
 
@@ -36,18 +38,25 @@ class Id {
   hid_t value_ = -1;
 };
 
-/// HDF5 prints its error stack unless told otherwise; the setting belongs to the process, so it is put back.
-class Silence {
+/// HDF5 keeps its state in the process and is thread-safe only if built so: one thread at a time.
+std::mutex& library_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// One use of the library. It prints its error stack unless told otherwise; the setting is put back.
+class Session {
  public:
-  Silence() {
+  Session() : lock_(library_mutex()) {
     H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
-  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
+  ~Session() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
  private:
+  std::lock_guard<std::mutex> lock_;
   H5E_auto2_t function_ = nullptr;
   void* data_ = nullptr;
 };
@@ -83,6 +92,9 @@ Id text_type(std::size_t length) {
   H5Tset_cset(type, H5T_CSET_UTF8);
   return type;
 }
+
+/// HDF5 takes files in memory for one and the same if their names are equal; an owner that lives names its own.
+std::string name_in_memory(const void* owner) { return fmt::format("in memory at {}", owner); }
 
 constexpr std::size_t memory_increment = std::size_t{1} << 20;
 constexpr hsize_t chunk_values = hsize_t{1} << 16;
@@ -149,7 +161,7 @@ struct Hdf5Writer::Impl {
 };
 
 Hdf5Writer::Hdf5Writer(Packing packing) : impl_(std::make_unique<Impl>()) {
-  Silence silence;
+  const Session session;
   impl_->packing = packing;
   Id creation(H5Pcreate(H5P_FILE_CREATE));
   H5Pset_obj_track_times(creation, false);
@@ -157,15 +169,18 @@ Hdf5Writer::Hdf5Writer(Packing packing) : impl_(std::make_unique<Impl>()) {
   H5FD_file_image_callbacks_t callbacks{image_allocate, image_copy, image_reallocate, image_release,
                                         share_user,     keep_user,  &impl_->image};
   H5Pset_file_image_callbacks(access, &callbacks);
-  impl_->file = Id(H5Fcreate("in memory", H5F_ACC_TRUNC, creation, access));
+  impl_->file = Id(H5Fcreate(name_in_memory(impl_.get()).c_str(), H5F_ACC_TRUNC, creation, access));
   demand(impl_->file.valid(), "HDF5");
 }
 
-Hdf5Writer::~Hdf5Writer() = default;
+Hdf5Writer::~Hdf5Writer() {
+  const Session session;
+  impl_.reset();
+}
 
 template <class T>
 void Hdf5Writer::write(const std::string& path, std::span<const T> values, std::size_t columns) {
-  Silence silence;
+  const Session session;
   demand(columns > 0 && values.size() % columns == 0, path);
   impl_->make_groups(path);
   const std::array<hsize_t, 2> extent{values.size() / columns, columns};
@@ -178,7 +193,7 @@ void Hdf5Writer::write(const std::string& path, std::span<const T> values, std::
 }
 
 void Hdf5Writer::write_text(const std::string& path, const std::string& text) {
-  Silence silence;
+  const Session session;
   impl_->make_groups(path);
   const Id type = text_type(text.size());
   const Id space(H5Screate(H5S_SCALAR));
@@ -190,13 +205,13 @@ void Hdf5Writer::write_text(const std::string& path, const std::string& text) {
 }
 
 void Hdf5Writer::link(const std::string& path, const std::string& file) {
-  Silence silence;
+  const Session session;
   impl_->make_groups(path);
   demand(H5Lcreate_external(file.c_str(), "/", impl_->file, path.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0, path);
 }
 
 std::string Hdf5Writer::bytes() {
-  Silence silence;
+  const Session session;
   demand(H5Fflush(impl_->file, H5F_SCOPE_GLOBAL) >= 0, "HDF5");
   const ssize_t size = H5Fget_file_image(impl_->file, nullptr, 0);
   demand(size > 0, "HDF5");
@@ -252,7 +267,7 @@ struct Hdf5Reader::Impl {
 };
 
 Hdf5Reader::Hdf5Reader(const std::filesystem::path& file, std::string remedy) : impl_(std::make_unique<Impl>()) {
-  Silence silence;
+  const Session session;
   impl_->name = file.string();
   impl_->remedy = std::move(remedy);
   std::error_code ignored;
@@ -262,26 +277,29 @@ Hdf5Reader::Hdf5Reader(const std::filesystem::path& file, std::string remedy) : 
 }
 
 Hdf5Reader::Hdf5Reader(const std::string& bytes, std::string name, std::string remedy) : impl_(std::make_unique<Impl>()) {
-  Silence silence;
+  const Session session;
   impl_->name = std::move(name);
   impl_->remedy = std::move(remedy);
   const Id access = access_in_memory();
   // HDF5 copies the image and only reads it, but takes it as not constant.
   H5Pset_file_image(access, const_cast<char*>(bytes.data()), bytes.size());
-  impl_->file = Id(H5Fopen("in memory", H5F_ACC_RDONLY, access));
+  impl_->file = Id(H5Fopen(name_in_memory(impl_.get()).c_str(), H5F_ACC_RDONLY, access));
   if (!impl_->file.valid()) impl_->fail("", "is not an HDF5 file, or is truncated");
 }
 
-Hdf5Reader::~Hdf5Reader() = default;
+Hdf5Reader::~Hdf5Reader() {
+  const Session session;
+  impl_.reset();
+}
 
 bool Hdf5Reader::has(const std::string& path) const {
-  Silence silence;
+  const Session session;
   return Id(H5Oopen(impl_->file, path.c_str(), H5P_DEFAULT)).valid();
 }
 
 template <class T>
 std::vector<T> Hdf5Reader::read(const std::string& path, std::size_t columns, std::size_t rows) const {
-  Silence silence;
+  const Session session;
   const Id set = impl_->open(path);
   const Id space(H5Dget_space(set));
   std::array<hsize_t, 2> extent{0, 1};
@@ -301,7 +319,7 @@ std::vector<T> Hdf5Reader::read(const std::string& path, std::size_t columns, st
 }
 
 std::string Hdf5Reader::read_text(const std::string& path) const {
-  Silence silence;
+  const Session session;
   const Id set = impl_->open(path);
   const Id stored(H5Dget_type(set));
   const Id space(H5Dget_space(set));
@@ -310,7 +328,7 @@ std::string Hdf5Reader::read_text(const std::string& path) const {
 }
 
 Hdf5Reader::Kind Hdf5Reader::kind(const std::string& path) const {
-  Silence silence;
+  const Session session;
   const Id object(H5Oopen(impl_->file, path.c_str(), H5P_DEFAULT));
   if (!object.valid()) return Kind::nothing;
   if (H5Iget_type(object) == H5I_GROUP) return Kind::group;
@@ -326,7 +344,7 @@ Hdf5Reader::Kind Hdf5Reader::kind(const std::string& path) const {
 }
 
 std::vector<std::string> Hdf5Reader::fields(const std::string& path) const {
-  Silence silence;
+  const Session session;
   const Id set = impl_->open(path);
   const Id stored(H5Dget_type(set));
   if (H5Tget_class(stored) != H5T_COMPOUND) impl_->fail(path, "is not a table");
@@ -340,7 +358,7 @@ std::vector<std::string> Hdf5Reader::fields(const std::string& path) const {
 }
 
 Hdf5Reader::Column Hdf5Reader::column(const std::string& path, const std::string& field) const {
-  Silence silence;
+  const Session session;
   const Id set = impl_->open(path);
   const Id space(H5Dget_space(set));
   if (H5Sget_simple_extent_ndims(space) > 1) impl_->fail(path, "has an unexpected number of dimensions");
@@ -365,7 +383,7 @@ Hdf5Reader::Column Hdf5Reader::column(const std::string& path, const std::string
 }
 
 std::vector<std::string> Hdf5Reader::members(const std::string& path) const {
-  Silence silence;
+  const Session session;
   const Id group(H5Gopen2(impl_->file, path.c_str(), H5P_DEFAULT));
   if (!group.valid()) impl_->fail(path, "this group is missing");
   std::vector<std::string> names;

@@ -3,8 +3,8 @@
 ///
 /// A file is made whole before a byte of it reaches the disk, so a full disk or a kill can spoil only the file aside (see
 /// atomic_file.hpp), and HDF5 itself never sees an I/O error. Metadata and data both carry checksums (superblock 2,
-/// Fletcher-32 on each chunk). Arrays are [rows x columns], row-major; text is UTF-8. The HDF5 library is not thread-safe:
-/// one thread of the process at a time may use what is declared here.
+/// Fletcher-32 on each chunk). Arrays are [rows x columns], row-major; text is UTF-8. Any number of
+/// files may be open at once, on any threads (each object on one at a time); the calls take turns.
 #include <cstdint>
 #include <filesystem>
 #include <memory>

@@ -22,13 +22,12 @@ std::optional<RunReport> simulated(const Prepared& p, RunHooks hooks, const std:
 
 LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& options) {
   Prepared prepared = prepare_quietly(bed_scene(scene), options);
-  std::string key;
+  const std::string key = bed_key(prepared, options);
   std::promise<BedInMemory> promise;
   std::shared_future<BedInMemory> future;
   bool mine = false;
   {
-    const std::scoped_lock lock(mutex_);  // the key is made with HDF5, which one thread at a time may use
-    key = bed_key(prepared, options);
+    const std::scoped_lock lock(mutex_);
     auto [entry, added] = beds_.try_emplace(key);
     if (added) entry->second = promise.get_future().share();
     future = entry->second;
