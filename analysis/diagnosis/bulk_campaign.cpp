@@ -150,6 +150,22 @@ void BulkCampaign::nominal() {
   for (int round = 0; round < 2; ++round) simulate_fit("calibrating the nominal scene", {&model}, options_.nominal_seeds);
 }
 
+void BulkCampaign::more_of_nominal() {
+  BulkModel& model = models_.front();
+  simulate("more of the nominal scene", {{&model, model.design[static_cast<std::size_t>(model.direct)].at, options_.doubtful_seeds}});
+  const DesignPoint more = std::move(model.design.back());
+  model.design.pop_back();
+  DesignPoint& point = model.design[static_cast<std::size_t>(model.direct)];
+  for (std::size_t s = 0; s < more.rows.size(); ++s) {
+    point.outcomes[s].insert(point.outcomes[s].end(), more.outcomes[s].begin(), more.outcomes[s].end());
+    MatrixXd rows(point.rows[s].rows() + more.rows[s].rows(), more.rows[s].cols());
+    rows << point.rows[s], more.rows[s];
+    point.rows[s] = std::move(rows);
+  }
+  find_scatter();
+  fit(model);
+}
+
 void BulkCampaign::screen() {
   for (BulkCandidate& c : bulk_candidates(bundle_, scale_, options_.effects, static_cast<std::size_t>(options_.most_candidates))) {
     models_.emplace_back();

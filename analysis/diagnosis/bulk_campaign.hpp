@@ -17,6 +17,8 @@ class BulkCampaign {
 
   /// The nominal scene, calibrated if constants are free.
   void nominal();
+  /// More packings of the nominal scene where it was fitted.
+  void more_of_nominal();
   /// A profile of every candidate: `levels` points for each axis.
   void screen();
   /// More points where the posteriors of the best few lie, then their fitted values simulated directly.

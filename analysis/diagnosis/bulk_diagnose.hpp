@@ -4,7 +4,8 @@
 ///   1 observation model   bulk_summary.hpp; scatter between seeds, bulk_statistics.hpp
 ///   2 calibration         on an emulator over the constants that nobody measured, bulk_emulator.hpp
 ///   3 nested optimum      every emulator knows the nominal runs and its grid holds the point that does nothing
-///   4 lack of fit         Hotelling's T^2 on at most three summaries chosen beforehand; several settings by Fisher
+///   4 lack of fit         Hotelling's T^2 on at most three summaries chosen beforehand; several settings by Fisher; in doubt
+///                         three times as many packings of the nominal scene decide
 ///   5 locate              bulk_locate.hpp
 ///   7 candidates          bulk_candidate.hpp: a profile of few runs each, then more runs where the posterior lies, for the best few
 ///   8 verdict             verdict.hpp, on held-out runs, all summaries, shrunken covariance
@@ -29,6 +30,7 @@ struct BulkOptions {
   std::vector<std::string> effects;  ///< to try; empty: bulk_effects()
   int most_candidates = 8;           ///< of those, if none are named
   int nominal_seeds = 10, levels = 4, level_seeds = 2;
+  int doubtful_seeds = 20;           ///< more of the nominal scene, where those neither reject it plainly nor fit it well
   int refined = 4, refined_points = 3, refined_seeds = 2;
   int direct_seeds = 8, numerics_seeds = 3;  ///< a finer step costs four times as much
 };
