@@ -11,6 +11,7 @@
 #include "analysis/diagnosis/combination.hpp"
 #include "analysis/diagnosis/held_out.hpp"
 #include "analysis/diagnosis/horizon.hpp"
+#include "analysis/diagnosis/quarter_turn.hpp"
 #include "analysis/diagnosis/split.hpp"
 #include "core/error.hpp"
 
@@ -114,7 +115,7 @@ class Diagnosing {
     for (const Fit& fit : search.fits()) {
       FittedHypothesis model;
       model.hypothesis = fit.layout.hypothesis;
-      model.fit = fit;
+      model.fit = nearer_to_the_scene(problem_, fit);
       result_.models.push_back(std::move(model));
     }
     const LackOfFit& lack = search.lack_of_fit();
@@ -180,6 +181,12 @@ class Diagnosing {
       result_.notes.push_back(fmt::format("Only a combination of {} is determined by these recordings, not each of them: give one of them to know the others.",
                                           fmt::join(names, ", ")));
     }
+  }
+
+  void note_quarter_turn(const FittedHypothesis& model) {
+    if (turned_by_a_quarter(problem_, model.fit))
+      result_.notes.push_back("Anisotropic friction has two forms that no recording tells apart while friction is calibrated: 1/ratio, with the direction turned by 90 degrees "
+                              "and friction times ratio, is the same law. Told is the form whose friction is nearer to the scene's.");
   }
 
   /// What would do as well as the best if the scene's own word were not worth more.
@@ -277,6 +284,7 @@ class Diagnosing {
     nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
     if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted && best.fit.layout.numerics.backend.empty(), options_.seed, fit_options_);
     note_combinations(best);
+    note_quarter_turn(best);
     note_numerics(search.base(), best.fit.layout.numerics);
     const PairedGain gain = paired_gain(nominal.held_out.per_run, best.held_out.per_run);
     result_.paired_p = gain.p;
