@@ -12,6 +12,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
+constexpr std::size_t asked_first = 2;   // of these; the others where nothing was found and much is left
 constexpr double coarse_scene = 3;       // of the noise, rms: a step that errs by less is none that anyone would blame
 constexpr double beside_the_step = 25;   // chi^2 per degree of freedom
 constexpr double much_nearer = 0.5;      // of chi^2, before anything is fitted
@@ -125,7 +126,7 @@ bool Search::engine_suffices() {
 }
 
 /// All that the best singles leave may be the way in which an engine made the recordings, too small beside the physics to be seen before: its
-/// step, or its impacts. A second effect would only imitate it. A way is an answer where it leaves nothing beside one of the best two (or by
+/// step, or its impacts. A second effect would only imitate it. A way is an answer where it leaves nothing beside one of the best (or by
 /// itself); the one that fits best is then the way for all.
 void Search::fit_as_made() {
   std::vector<std::size_t> order = singles_by_worth();
@@ -145,9 +146,10 @@ void Search::fit_as_made() {
   if (fits_.front().layout.numerics.second_order) ways = steps_of("");
   for (const std::string& backend : options_.other_backends)
     for (Numerics& way : steps_of(backend)) ways.push_back(std::move(way));
-  const std::size_t asked = found ? 0 : std::min<std::size_t>(2, order.size());
+  const bool as_engine = found.has_value();
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < asked; ++i)
+  for (std::size_t i = 0; i < order.size() && !as_engine; ++i) {
+    if (i >= asked_first && (found || fits_[order[i]].per_dof() < plainly_more_than_noise)) break;
     for (const Numerics& way : ways) {
       if (stopped()) return;
       Fit fit = solve(order[i], way);
@@ -156,6 +158,7 @@ void Search::fit_as_made() {
       found = way;
       made.insert_or_assign(order[i], std::move(fit));
     }
+  }
   if (!found) return;
   for (const std::size_t place : order) {
     if (stopped()) return;

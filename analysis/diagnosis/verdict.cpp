@@ -56,10 +56,12 @@ void count_runs_not_samples(const std::vector<Evidence>& evidence, std::size_t b
   }
 }
 
-/// A flexible effect imitates much of anything: what plainly leaves more than noise must have halved the rest with each parameter.
+/// A flexible effect imitates much of anything: what plainly leaves more than noise must have halved the rest with each parameter. Numerics that do are a
+/// part of the mismatch, and no answer to what is missing.
 bool explains_enough(const Evidence& e) {
   if (e.effects.empty() || e.explained < (e.stated > 0 ? least_explained_by_stated : least_explained)) return false;
   const bool plain = e.lack_of_fit * e.lack_of_fit > plainly_more_than_noise;
+  if (plain && all_of_site(e, EffectSite::numerics)) return false;
   return !plain || 1 - e.explained <= std::pow(1 - least_explained, std::max(1, e.form_parameters));
 }
 
