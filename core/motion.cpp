@@ -42,4 +42,15 @@ Twist mean_twist(const Motion& motion, const Pose& initial, double t, double h) 
   return twist;
 }
 
+void set_clock_to_zero_at(double t, Motion& motion, Pose& initial) {
+  assert(t >= 0);
+  const double s = elapsed(motion, t);
+  initial = pose_at(motion, initial, t);
+  motion.pivot += motion.velocity * std::max(0.0, s);
+  if (!motion.vibration_amplitude.isZero(0)) motion.pivot += vibration(motion, t);
+  motion.vibration_phase += 2 * std::numbers::pi * motion.vibration_frequency * t;
+  motion.start = std::max(0.0, motion.start - t);
+  motion.stop = std::max(motion.start, motion.stop - t);
+}
+
 }  // namespace repose

@@ -43,6 +43,9 @@ Pose pose_at(const Motion& motion, const Pose& initial, double t);
 /// wall is where it was prescribed to be at the end of each step.
 Twist mean_twist(const Motion& motion, const Pose& initial, double t, double h);
 
+/// The clock is set to 0 at time t >= 0:  pose_at(motion', initial', s) = pose_at(motion, initial, t + s)  for s >= 0.
+void set_clock_to_zero_at(double t, Motion& motion, Pose& initial);
+
 /// A stretch of time [from, to) [s].
 struct Interval {
   double from = 0, to = 1e300;

@@ -1,11 +1,32 @@
 #include "scenarios/spreading.hpp"
 
+#include <numbers>
+
 #include "analysis/height_grid.hpp"
 #include "analysis/roughness.hpp"
 #include "core/error.hpp"
 
 namespace repose {
 namespace {
+
+/// Walls that moved while the bed settled, and gates that opened, go on from there: the clock of `model` begins at `time` of theirs. The spreader's
+/// motion is told on the new clock.
+void go_on_from(double time, const std::string& spreader, Model& model) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    Body& body = model.bodies[i];
+    if (body.dynamic || (body.name >= 0 && model.names[static_cast<std::size_t>(body.name)] == spreader)) continue;
+    Pose initial{model.initial.position[i], model.initial.orientation[i]};
+    set_clock_to_zero_at(time, body.motion, initial);
+    model.initial.position[i] = initial.position;
+    model.initial.orientation[i] = initial.orientation;
+    for (Interval& interval : body.active) {
+      interval.from -= time;
+      interval.to -= time;
+    }
+  }
+  for (Effect& effect : model.effects)
+    if (auto* force = std::get_if<PeriodicForce>(&effect)) force->phase += 2 * std::numbers::pi * force->frequency * time;
+}
 
 /// The free bodies of `to` stand as those of `from` do: the same ones in the same order, around other tools.
 void take_over(const Model& from, const Snapshot& state, Model& to) {
@@ -47,7 +68,10 @@ Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& set
   if (heights.n == 0) throw Error("layer.region", "no grain lies over the region", "move the region to where the bed is");
   Spreading ready;
   ready.path = spreader_path(scene, bed, settled, heights.mean);
-  ready.prepared = prepare_quietly(spreading_scene(scene, ready.path), options, [&](Model& model) { take_over(bed, settled, model); });
+  ready.prepared = prepare_quietly(spreading_scene(scene, ready.path), options, [&](Model& model) {
+    take_over(bed, settled, model);
+    go_on_from(settled.time, setup.spreader, model);
+  });
   return ready;
 }
 

@@ -117,5 +117,21 @@ TEST(Motion, FroudeSimilarMotionGivesTheSameBits) {
   }
 }
 
+// Before it starts, while it moves, and after it has stopped.
+TEST(Motion, GoesOnWithAClockThatWasSetToZero) {
+  const Pose start{{0.1, 0.2, 0.3}, rotation_of({0.3, 0.2, 0.1})};
+  for (const double t : {0.0, 0.1, 0.8, 2.5}) {
+    Motion motion = tumbling();
+    Pose initial = start;
+    set_clock_to_zero_at(t, motion, initial);
+    EXPECT_TRUE(pose_at(motion, initial, 0).position.isApprox(initial.position, 1e-14)) << t;
+    for (const double s : {0.0, 0.05, 0.4, 1.2, 3.0}) {
+      const Pose expected = pose_at(tumbling(), start, t + s), found = pose_at(motion, initial, s);
+      EXPECT_TRUE(found.position.isApprox(expected.position, 1e-13)) << t << " " << s;
+      EXPECT_NEAR(angle_between(found.orientation, expected.orientation), 0, 1e-7) << t << " " << s;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace repose
