@@ -90,6 +90,7 @@ std::optional<json> HeapExperiment::run(const Scene& scene, std::uint64_t seed) 
   const Schedule schedule{scene.solver.time_step, scene.duration, scene.frame_interval, 1e9};
   const RunReport report = repose::run(*world, model, schedule, nullptr, hooks);
   if (report.end == RunReport::End::interrupted) return std::nullopt;
+  demand_converged(report.converged_fraction, report.residual_max, "the steps", "make solver.time_step smaller or solver.max_iterations larger");
   return observables_of(model, report, measure_heap(scene, model, report.final_state, &before, std::move(discharge)));
 }
 

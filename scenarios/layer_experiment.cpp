@@ -39,7 +39,8 @@ json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
   o["spreader_above_surface"] = layer.spreading.path.lowest - setup.plate - m.before.heights.mean;
   o["grains_moved_in"] = m.moved_in;
   o["grains_below_plate"] = m.lost;
-  o["at_rest"] = bed_rests(model, report.final_state) ? 1 : 0;
+  o["at_rest"] = layer.bed->at_rest && bed_rests(model, report.final_state) ? 1 : 0;
+  o["bed_converged_fraction"] = layer.bed->converged_fraction;
   o["converged_fraction"] = report.converged_fraction;
   o["iterations_mean"] = report.iterations_mean;
   o["residual_max"] = report.residual_max;

@@ -39,7 +39,11 @@ LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& opti
     hooks.finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
     const std::optional<RunReport> report = simulated(prepared, hooks);
     BedInMemory bed;
-    if (report) bed = std::make_shared<SettledBed>(SettledBed{std::move(prepared.model), report->final_state, report->wall_s});
+    if (report) {
+      const bool rests = bed_rests(prepared.model, report->final_state);
+      bed = std::make_shared<SettledBed>(
+          SettledBed{std::move(prepared.model), report->final_state, report->wall_s, report->converged_fraction, report->residual_max, rests});
+    }
     promise.set_value(std::move(bed));
   } catch (...) {
     promise.set_exception(std::current_exception());
@@ -58,6 +62,8 @@ std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed
   SpreadLayer layer;
   layer.bed = bed_of(scene, options);
   if (!layer.bed) return std::nullopt;
+  demand_converged(layer.bed->converged_fraction, layer.bed->residual_max, "the steps of the bed",
+                   "make layer.settle_time_step smaller or solver.max_iterations larger");
   layer.spreading = over_the_bed(scene, layer.bed->model, layer.bed->state, options);
   const Prepared& p = layer.spreading.prepared;
   RunHooks hooks;
@@ -65,6 +71,8 @@ std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed
   std::optional<RunReport> report = simulated(p, hooks, scene.layer->spreader);
   if (!report) return std::nullopt;
   layer.report = *std::move(report);
+  demand_converged(layer.report.converged_fraction, layer.report.residual_max, "the steps of the spreading",
+                   "make solver.time_step smaller or solver.max_iterations larger");
   const SpreaderPath& path = layer.spreading.path;
   layer.measured = measure_layer(*scene.layer, p.model, p.model.initial, layer.report.final_state, layer.steps, path.lowest, path.from);
   return layer;

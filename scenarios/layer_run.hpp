@@ -19,6 +19,8 @@ struct SettledBed {
   Model model;
   Snapshot state;
   double wall_s = 0;
+  double converged_fraction = 1, residual_max = 0;
+  bool at_rest = false;  ///< else the time that `settle` gives ran out
 };
 
 struct SpreadLayer {
@@ -39,8 +41,8 @@ class LayerRuns {
   /// Backend, threads and what is allowed are those of `options`.
   LayerRuns(const Options& options, Beds beds) : options_(options), keep_(beds == Beds::kept) {}
 
-  /// nullopt if it was interrupted. May be called from several threads at once. Throws Error if the scene has no `layer` block, and what
-  /// the run throws.
+  /// nullopt if it was interrupted. May be called from several threads at once. Throws Error if the scene has no `layer` block, if too few steps of
+  /// the bed or of the spreading converged (Kind::simulation), and what the run throws.
   std::optional<SpreadLayer> run(const Scene& scene, std::uint64_t seed);
 
  private:

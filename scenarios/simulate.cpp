@@ -169,6 +169,12 @@ void write_result(const std::filesystem::path& file, const std::string& json) {
   write_atomically(file, json.ends_with('\n') ? json : json + '\n');
 }
 
+void demand_converged(double converged_fraction, double residual_max, const std::string& steps, const std::string& remedy) {
+  if (converged_fraction >= least_converged) return;
+  throw Error("", fmt::format("the solver converged in {:.1f} % of {} only (95 % are asked for; largest residual {:.2g})", 100 * converged_fraction, steps, residual_max),
+              remedy, Error::Kind::simulation);
+}
+
 int report_status(const RunReport& report, const Options& options) {
   if (report.end == RunReport::End::interrupted) {
     fmt::print(stderr, "interrupted after {} steps (t = {:.6g} s); the same command with --resume goes on from here\n",

@@ -49,6 +49,10 @@ std::string common_result(const std::string& scenario, const Prepared& prepared,
 /// Writes the main file, last of all, durably. `json`: the text of an object.
 void write_result(const std::filesystem::path& file, const std::string& json);
 
+/// Throws Error (Kind::simulation) if less than `least_converged` of the steps converged. `steps`: which ones ("the steps of the bed"); `remedy`: the
+/// keys that mend it. For runs that are one of many, and measured rather than kept.
+void demand_converged(double converged_fraction, double residual_max, const std::string& steps, const std::string& remedy);
+
 /// The exit status that the report asks for; tells on stderr what is wrong and how to go on. 130 if interrupted (no result
 /// should be written then), 3 if fewer than 95 % of the steps converged (the result is written all the same), else 0.
 int report_status(const RunReport& report, const Options& options);

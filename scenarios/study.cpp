@@ -124,6 +124,9 @@ int study(const Options& options) {
   write_atomically(options.out / "report.html", report::to_html(study_report(plan, result, references, *experiment)));
   write_result(options.out / "study.json", result.dump(2));
   tell(result, *experiment, options);
+  std::size_t moving = 0;
+  for (const json& point : result["points"]) moving += point["not_at_rest"].get<std::size_t>();
+  if (moving > 0) fmt::print(stderr, "warning: {} of the {} were not at rest where they are measured; simulate longer\n", moving, experiment->called());
   for (const auto& r : report.results)
     if (r && !r->failure.empty()) fmt::print(stderr, "a run failed: {}\n", r->failure);
   return report.progress.failed > 0 ? exit_status::simulation : exit_status::done;

@@ -38,3 +38,19 @@ cmp -s "$work/first" "$work/second" || fail 'another number of threads, other la
 touch "$work/mark"
 run --threads 1
 [ -z "$(find "$work/out/jobs" -newer "$work/mark" -name '*.json')" ] || fail 'finished runs were not used again'
+
+# A bed that did not settle is told, and runs that did not converge are no results.
+small() {
+  printf 'title: bad\nscene: %s\nseeds: 1\nset: {%s}\nseries:\n  gaps: {vary: [{layer.gap: [%s]}]}\n' "$source/tests/layer/bed.yaml" "$1" "$2" >"$work/small.yaml"
+  rm -rf -- "$work/small"
+  status=0
+  timeout 600 "$study" "$work/small.yaml" --out "$work/small" --threads 1 >"$work/log" 2>&1 </dev/null || status=$?
+}
+small 'layer.settle: 10 ms' '60 um'
+[ "$status" = 0 ] || fail "exit status $status of a study whose bed did not settle"
+grep -q '"not_at_rest": 1' "$work/small/study.json" || fail 'a bed that did not settle counts as at rest'
+grep -q 'not at rest' "$work/log" || fail 'nothing tells that the bed did not settle'
+small 'solver.max_iterations: 2' '60 um'
+[ "$status" = 3 ] || fail "exit status $status instead of 3: steps that do not converge"
+grep -q '"failed": 1' "$work/small/study.json" || fail 'a run that did not converge counts as a result'
+grep -q 'converged in .* of the steps of the bed only' "$work/log" || fail 'nothing tells what did not converge'
