@@ -16,19 +16,6 @@ namespace {
 constexpr double resting = 0.01;  // of sqrt(g d)
 constexpr const char* remedy = "remove the folder; the bed is then made anew";
 
-/// Root mean square speed of the grains in sqrt(g d), d their mean diameter.
-double speed_of_grains(const Model& model, const Snapshot& state) {
-  double squares = 0, diameter = 0, n = 0;
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    if (model.bodies[i].role != BodyRole::grain) continue;
-    squares += state.velocity[i].squaredNorm();
-    diameter += 2 * model.bodies[i].radius;
-    n += 1;
-  }
-  const double scale = model.gravity.norm() * diameter / n;
-  return n > 0 && scale > 0 ? std::sqrt(squares / n / scale) : 0;
-}
-
 Bed read_bed(const std::filesystem::path& file, const Model& model) {
   const Hdf5Reader in(file, remedy);
   Bed bed;
@@ -45,7 +32,19 @@ Bed read_bed(const std::filesystem::path& file, const Model& model) {
 
 }  // namespace
 
-bool bed_rests(const Model& model, const Snapshot& state) { return speed_of_grains(model, state) < resting; }
+double speed_of_grains(const Model& model, const Snapshot& state) {
+  double squares = 0, diameter = 0, n = 0;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].role != BodyRole::grain) continue;
+    squares += state.velocity[i].squaredNorm();
+    diameter += 2 * model.bodies[i].radius;
+    n += 1;
+  }
+  const double scale = model.gravity.norm() * diameter / n;
+  return n > 0 && scale > 0 ? std::sqrt(squares / n / scale) : 0;
+}
+
+bool grains_rest(const Model& model, const Snapshot& state) { return speed_of_grains(model, state) < resting; }
 
 std::string bed_key(const Prepared& bed, const Options& options) {
   const SolverOptions& s = bed.scene.solver;
@@ -65,7 +64,7 @@ std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, co
   const bool there = std::filesystem::exists(file);
   if (!there) {
     own.resume = options.resume && std::filesystem::exists(own.out / "checkpoints");
-    const auto finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
+    const auto finished = [&](const Snapshot& state, const StepReport&) { return grains_rest(prepared.model, state); };
     const RunReport report = simulate(prepared, own, "bed.h5", finished);
     if (report.end == RunReport::End::interrupted) return std::nullopt;
     const double speed = speed_of_grains(prepared.model, report.final_state);

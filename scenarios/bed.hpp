@@ -18,8 +18,11 @@ struct Bed {
   std::filesystem::path folder;
 };
 
-/// At rest: the root mean square speed of the grains is below 0.01 sqrt(g d), d their mean diameter.
-bool bed_rests(const Model& model, const Snapshot& state);
+/// Root mean square speed of the grains in sqrt(g d), d their mean diameter; 0 without gravity.
+double speed_of_grains(const Model& model, const Snapshot& state);
+
+/// At rest: that speed is below 0.01.
+bool grains_rest(const Model& model, const Snapshot& state);
 
 /// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times,
 /// backend and the build. Threads do not count.

@@ -86,6 +86,12 @@ void add_missing(const std::vector<Finding>& from, std::vector<Finding>& to) {
     if (std::none_of(to.begin(), to.end(), [&](const Finding& f) { return f.place == finding.place && f.message == finding.message; })) to.push_back(finding);
 }
 
+void warn_of_motion(const LayerMeasurement& m) {
+  if (m.at_rest) return;
+  fmt::print(stderr, "warning: the grains were not at rest when the surface after was measured (root mean square speed {:.2g} sqrt(g d))\n"
+             "  make layer.rest longer\n", m.speed_rms);
+}
+
 /// A bed is kept however well its steps converged, so this is told whenever it is used.
 int bed_status(const Bed& bed) {
   if (bed.converged_fraction >= least_converged) return exit_status::done;
@@ -129,6 +135,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
   write_result(options.out / "result.json", result.dump(2));
   tell(layer, scene, path, *bed, report, options);
+  warn_of_motion(layer);
   return status;
 }
 

@@ -1,6 +1,5 @@
 #include <mutex>
 
-#include "scenarios/bed.hpp"
 #include "scenarios/experiment.hpp"
 #include "scenarios/layer_run.hpp"
 
@@ -39,7 +38,7 @@ json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
   o["spreader_above_surface"] = layer.spreading.path.lowest - setup.plate - m.before.heights.mean;
   o["grains_moved_in"] = m.moved_in;
   o["grains_below_plate"] = m.lost;
-  o["at_rest"] = layer.bed->at_rest && bed_rests(model, report.final_state) ? 1 : 0;
+  o["at_rest"] = layer.bed->at_rest && m.at_rest ? 1 : 0;
   o["bed_converged_fraction"] = layer.bed->converged_fraction;
   o["converged_fraction"] = report.converged_fraction;
   o["iterations_mean"] = report.iterations_mean;

@@ -92,6 +92,8 @@ json layer_json(const LayerMeasurement& m, const LayerSetup& setup, const Spread
                      {"from", path.from},            {"to", setup.to},
                      {"speed", setup.speed},         {"rotation", rotations[static_cast<int>(setup.rotation)]},
                      {"travel_time", path.duration}, {"p99_above_lowest", m.passed}};
+  out["at_rest"] = m.at_rest;
+  out["speed_rms"] = m.speed_rms;
   out["bed"] = {{"folder", bed.folder.string()}, {"at_rest", bed.at_rest},       {"time", bed.time},
                 {"speed_rms", bed.speed_rms},    {"residual_max", bed.residual_max}, {"converged_fraction", bed.converged_fraction}};
   out["bed_wall_s"] = bed.wall_s;

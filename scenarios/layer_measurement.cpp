@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "analysis/statistics.hpp"
+#include "scenarios/bed.hpp"
 
 namespace repose {
 namespace {
@@ -84,6 +85,8 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
   LayerMeasurement m;
   m.before = measure_surface(layer, model, before);
   m.after = measure_surface(layer, model, after);
+  m.at_rest = grains_rest(model, after);
+  m.speed_rms = speed_of_grains(model, after);
   std::vector<double> thickness;
   for (std::size_t k = 0; k < m.after.grid.height.size(); ++k)
     thickness.push_back(static_cast<double>(m.after.grid.height[k]) - m.before.grid.height[k]);

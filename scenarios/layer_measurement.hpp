@@ -38,6 +38,8 @@ struct SpreaderLoad {
 
 struct LayerMeasurement {
   BedSurface before, after;
+  bool at_rest = false;              ///< of the grains after; else the surface is that of grains which still move
+  double speed_rms = 0;              ///< of them, in sqrt(g d)
   HeightFigures thickness;           ///< after minus before, cell by cell
   double layer_packing = 0;          ///< solid volume that came / volume that came, below the surfaces [1]; 0 if none came
   double passed = 0;                 ///< 99 % quantile of the heights after, against the lowest line of the spreader [m]

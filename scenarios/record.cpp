@@ -92,6 +92,9 @@ BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordB
   if (scene.layer) {
     const std::optional<SpreadLayer> layer = LayerRuns(options, LayerRuns::Beds::dropped).run(scene, seed);
     if (!layer) throw Error("", "interrupted", "", Error::Kind::simulation);
+    if (!layer->bed->at_rest || !layer->measured.at_rest)
+      fmt::print(stderr, "warning: run {}: the grains were not at rest when their surface was measured\n  make {} longer\n", run.id,
+                 layer->bed->at_rest ? "layer.rest" : "layer.settle");
     run.observations = observe_layer(*layer, block);
   } else {
     run.observations = observe_run(prepared, block, options, seed, progress);

@@ -50,6 +50,13 @@ says 'reused'
 cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'another number of threads, another run.h5'
 cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'another number of threads, another surface'
 
+# Measured while grains still move, which is told.
+grep -q '^  "at_rest": true' "$work/one/result.json" || fail 'the layer did not come to rest'
+expect 0 "$bed" --out "$work/moving" --quiet --set 'layer.rest=0 s'
+says 'make layer.rest longer'
+grep -q '^  "at_rest": false' "$work/moving/result.json" || fail 'a layer that moves is at rest'
+grep -qF 'make layer.rest longer' "$work/moving/report.html" || fail 'the report does not tell that the layer moves'
+
 # A roller held down by a load: one that the powder never lifts spreads as the rigid one does; a light one rides on the grains.
 expect 0 "$bed" --out "$work/heavy" --quiet --set 'tools.roller.yield={load: 5 uN, mass: 1 ug}'
 says 'rise             0 um in the mean'
