@@ -100,14 +100,20 @@ int bed_status(const Bed& bed) {
   return exit_status::simulation;
 }
 
+/// Before the bed settles, which may take hours: what an earlier run left is not of this one, and its checkpoints would stop a later --resume.
+void clear(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  for (const char* file : {"result.json", "report.html", "surface.png", "surface.vdb"}) std::filesystem::remove(folder / file, ignored);
+  std::filesystem::remove_all(folder / "checkpoints", ignored);
+}
+
 int spread(const Options& options, const std::filesystem::path& beds) {
   const Scene scene = load_scene(scene_file(options), options.overrides);
   demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
   const Prepared bed_prepared = prepare_bed(scene, options);
   check_spreading(scene, options);
-  // Checkpoints of an earlier run would stop a later --resume, should this one be interrupted while its bed settles.
-  if (!options.resume) std::filesystem::remove_all(options.out / "checkpoints");
+  if (!goes_on(options)) clear(options.out);
   const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
   if (!bed) {
     fmt::print(stderr, "interrupted while the bed settled; the same command with --resume goes on from here\n");

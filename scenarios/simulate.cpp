@@ -10,6 +10,7 @@
 #include "backends/backends.hpp"
 #include "core/error.hpp"
 #include "core/nearest.hpp"
+#include "core/recording_checkpoint.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/interrupt.hpp"
 #include "scenarios/progress.hpp"
@@ -114,10 +115,12 @@ Prepared prepare_quietly(Scene scene, const Options& options, const std::functio
   return p;
 }
 
+bool goes_on(const Options& options) { return options.resume && !find_checkpoints(options.out / "checkpoints").empty(); }
+
 RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file,
                    std::function<bool(const Snapshot&, const StepReport&)> finished, const std::string& tracked) {
   std::error_code ignored;
-  if (!options.resume) std::filesystem::remove(options.out / main_file, ignored);
+  if (!goes_on(options)) std::filesystem::remove(options.out / main_file, ignored);
   Recorder recorder(options.out, prepared.model, prepared.scene.text, options.backend, options.seed, options.resume);
   const std::unique_ptr<World> world = prepared.backend->make(prepared.model, prepared.scene.solver);
 

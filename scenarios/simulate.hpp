@@ -37,8 +37,11 @@ Prepared prepare_quietly(Scene scene, const Options& options, const std::functio
 /// Findings on stderr.
 void tell(const std::vector<Finding>& findings);
 
-/// Runs it with frames, checkpoints and progress into options.out. A fresh run first removes `main_file` there (the folder
-/// is complete exactly when it is present). `finished`: see RunHooks; `tracked`: see Schedule; both may be empty.
+/// True for --resume where an earlier call left a checkpoint; else a run begins anew.
+bool goes_on(const Options& options);
+
+/// Runs it with frames, checkpoints and progress into options.out. A run that begins anew first removes `main_file` there (the
+/// folder is complete exactly when it is present). `finished`: see RunHooks; `tracked`: see Schedule; both may be empty.
 RunReport simulate(const Prepared& prepared, const Options& options, const std::string& main_file = "result.json",
                    std::function<bool(const Snapshot&, const StepReport&)> finished = {}, const std::string& tracked = {});
 

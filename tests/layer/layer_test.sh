@@ -22,6 +22,17 @@ expect() {
   timeout 400 "$layer" "$@" --beds "$work/beds" >"$work/log" 2>&1 </dev/null || status=$?
   [ "$status" = "$wanted" ] || fail "exit status $status instead of $wanted: $*"
 }
+# start ARGUMENTS...: in the background, as $process, until `interrupt`.
+start() {
+  "$layer" "$@" --beds "$work/beds" >"$work/log" 2>&1 </dev/null &
+  process=$!
+}
+interrupt() {
+  kill -INT "$process" 2>/dev/null || fail 'it ended before it could be interrupted'
+  status=0
+  wait "$process" || status=$?
+  [ "$status" = 130 ] || fail "exit status $status instead of 130"
+}
 says() { grep -qF -- "$1" "$work/log" || fail "no word of \"$1\""; }
 
 # Wrong scenes: place and remedy, before anything settles.
@@ -42,6 +53,17 @@ says 'settled now'
 for file in result.json run.h5 surface.vdb surface.png report.html; do [ -s "$work/one/$file" ] || fail "no $file"; done
 for key in before after Sa Sq Sp Sv Sz Ssk Sku packing_fraction roller force torque; do
   grep -q "\"$key\"" "$work/one/result.json" || fail "the result lacks $key"
+done
+
+# A run that begins anew takes away what an earlier one left, before its bed settles: also with --resume where there is no checkpoint.
+for resume in '' --resume; do
+  mkdir -p "$work/stale"
+  for file in result.json report.html surface.png surface.vdb; do : >"$work/stale/$file"; done
+  start "$bed" --out "$work/stale" --quiet $resume --set solver.tolerance=1e-9
+  while [ -e "$work/stale/result.json" ] && kill -0 "$process" 2>/dev/null; do sleep 0.05; done
+  interrupt
+  says 'interrupted while the bed settled'
+  for file in result.json report.html surface.png surface.vdb; do [ ! -e "$work/stale/$file" ] || fail "$file of an earlier run stays${resume:+ with $resume}"; done
 done
 
 # It is used again, and two threads give the same bytes.
