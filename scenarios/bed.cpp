@@ -13,8 +13,19 @@
 namespace repose {
 namespace {
 
-constexpr double resting = 0.01;  // of sqrt(g d)
+constexpr double resting = 0.01;   // of sqrt(g d)
+constexpr double in_the_air = 5;   // times sqrt(d/g)
 constexpr const char* remedy = "remove the folder; the bed is then made anew";
+
+double mean_diameter(const Model& model) {
+  double sum = 0, n = 0;
+  for (const Body& body : model.bodies) {
+    if (body.role != BodyRole::grain) continue;
+    sum += 2 * body.radius;
+    n += 1;
+  }
+  return n > 0 ? sum / n : 0;
+}
 
 Bed read_bed(const std::filesystem::path& file, const Model& model) {
   const Hdf5Reader in(file, remedy);
@@ -33,18 +44,22 @@ Bed read_bed(const std::filesystem::path& file, const Model& model) {
 }  // namespace
 
 double speed_of_grains(const Model& model, const Snapshot& state) {
-  double squares = 0, diameter = 0, n = 0;
+  double squares = 0, n = 0;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     if (model.bodies[i].role != BodyRole::grain) continue;
     squares += state.velocity[i].squaredNorm();
-    diameter += 2 * model.bodies[i].radius;
     n += 1;
   }
-  const double scale = model.gravity.norm() * diameter / n;
+  const double scale = model.gravity.norm() * mean_diameter(model);
   return n > 0 && scale > 0 ? std::sqrt(squares / n / scale) : 0;
 }
 
 bool grains_rest(const Model& model, const Snapshot& state) { return speed_of_grains(model, state) < resting; }
+
+bool bed_rests(const Model& model, const Snapshot& state) {
+  const double g = model.gravity.norm();
+  return grains_rest(model, state) && (g == 0 || state.time >= in_the_air * std::sqrt(mean_diameter(model) / g));
+}
 
 std::string bed_key(const Prepared& bed, const Options& options) {
   const SolverOptions& s = bed.scene.solver;
@@ -64,13 +79,13 @@ std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, co
   const bool there = std::filesystem::exists(file);
   if (!there) {
     own.resume = options.resume && std::filesystem::exists(own.out / "checkpoints");
-    const auto finished = [&](const Snapshot& state, const StepReport&) { return grains_rest(prepared.model, state); };
+    const auto finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
     const RunReport report = simulate(prepared, own, "bed.h5", finished);
     if (report.end == RunReport::End::interrupted) return std::nullopt;
     const double speed = speed_of_grains(prepared.model, report.final_state);
     Hdf5Writer out(Hdf5Writer::Packing::compressed);
     write_snapshot<double>(out, "/state", report.final_state);
-    out.write("/figures", std::vector<double>{speed < resting ? 1.0 : 0.0, report.final_state.time, report.wall_s, speed,
+    out.write("/figures", std::vector<double>{bed_rests(prepared.model, report.final_state) ? 1.0 : 0.0, report.final_state.time, report.wall_s, speed,
                                               report.converged_fraction, report.residual_max});
     write_atomically(file, out.bytes());
   }

@@ -10,7 +10,7 @@ namespace repose {
 struct Bed {
   Snapshot state;          ///< of the bed scene's model, in double
   bool reused = false;     ///< it was there already
-  bool at_rest = false;    ///< else the time that `settle` gives ran out
+  bool at_rest = false;    ///< see bed_rests; else the time that `settle` gives ran out
   double time = 0;         ///< simulated [s]
   double wall_s = 0;       ///< that making it took, then [s]
   double speed_rms = 0;    ///< of the grains, in sqrt(g d)
@@ -23,6 +23,9 @@ double speed_of_grains(const Model& model, const Snapshot& state);
 
 /// At rest: that speed is below 0.01.
 bool grains_rest(const Model& model, const Snapshot& state);
+
+/// Of grains that were let go at time 0: at rest, and 5 sqrt(d/g) have passed. Before, those that hang in the air have not gained speed.
+bool bed_rests(const Model& model, const Snapshot& state);
 
 /// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times,
 /// backend and the build. Threads do not count.

@@ -36,11 +36,11 @@ LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& opti
   if (!mine) return future.get();
   try {
     RunHooks hooks;
-    hooks.finished = [&](const Snapshot& state, const StepReport&) { return grains_rest(prepared.model, state); };
+    hooks.finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
     const std::optional<RunReport> report = simulated(prepared, hooks);
     BedInMemory bed;
     if (report) {
-      const bool rests = grains_rest(prepared.model, report->final_state);
+      const bool rests = bed_rests(prepared.model, report->final_state);
       bed = std::make_shared<SettledBed>(
           SettledBed{std::move(prepared.model), report->final_state, report->wall_s, report->converged_fraction, report->residual_max, rests});
     }

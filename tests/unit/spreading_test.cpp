@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/scene_yaml.hpp"
+#include "scenarios/bed.hpp"
 
 namespace repose {
 namespace {
@@ -37,6 +38,22 @@ TEST(Spreading, GoesOnFromWhereTheWallsWere) {
   const std::size_t roller = tool(spread, "roller");
   EXPECT_EQ(placed(spread, roller, 0).position, spread.initial.position[roller]);
   EXPECT_NEAR(placed(spread, roller, 0.01).position.x() - spread.initial.position[roller].x(), 0.01 * scene.layer->speed, 1e-12);
+}
+
+// Grains that hang in the air are slow too, until they have fallen for a while.
+TEST(Bed, DoesNotRestBeforeItCouldFall) {
+  const Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
+  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  Snapshot state = bed.initial;
+  EXPECT_TRUE(grains_rest(bed, state));
+  for (const double t : {0.0, 1e-4, 0.01}) {
+    state.time = t;
+    EXPECT_FALSE(bed_rests(bed, state)) << t;
+  }
+  state.time = 0.02;  // 5 sqrt(d/g) = 12 ms for 58 um
+  EXPECT_TRUE(bed_rests(bed, state));
+  for (Vec3& v : state.velocity) v = Vec3(0, 0, -1e-3);  // sqrt(g d) = 24 mm/s
+  EXPECT_FALSE(bed_rests(bed, state));
 }
 
 }  // namespace
