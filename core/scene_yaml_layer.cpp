@@ -56,6 +56,8 @@ void read_surface(const YamlReader& reader, LayerSetup& layer) {
     reader.at("cell").fail("the region has more than a billion cells", "a tenth of a grain is usual");
   if (layer.square > extent.minCoeff())
     reader.at("square").fail("is larger than the region", "about one grain diameter is usual");
+  if (extent.prod() / (layer.square * layer.square) > 1e9)
+    reader.at("square").fail("the region has more than a billion squares", "about one grain diameter is usual");
   if (layer.l_filter > 0 && layer.l_filter <= layer.s_filter)
     reader.at("l_filter").fail("is not above `s_filter`", "it keeps what is shorter, the other what is longer");
 }

@@ -160,3 +160,6 @@ tools: {plate: {material: steel, size: [0.1, 0.1, 0.1], position: [0, 1.5, 2]}}"
 tools: {plate: {material: steel, size: [0.1, 0.1, 0.1], position: [0, 0.9, 2]}}" "tools.plate" "move it to between"
 edit periodic_fill_outside heap.yaml "duration: 0.005" $'duration: 0.005\nperiodic: {y: [-0.5 mm, 5 mm]}' $'duration: 0.005\nperiodic: {y: [-2.5 mm, 5 mm]}' \
   "grains.powder" "keep it within the cell"
+
+# --- layers
+edit squares_in_nanometres bed.yaml "square: 60 um" "square: 6 nm" "" "layer.surface.square" "one grain diameter"

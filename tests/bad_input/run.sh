@@ -10,7 +10,7 @@ shift
 only=" $* "
 work=$(mktemp -d)
 trap 'chmod -R u+w "$work"; rm -rf "$work"' EXIT
-cp "$here"/*.yaml "$here"/*.obj "$work"
+cp "$here"/*.yaml "$here"/*.obj "$here/../layer/bed.yaml" "$work"
 cd "$work" || exit 1
 
 bad=0 twins=0 failures=0
