@@ -1,5 +1,6 @@
 #include <mutex>
 
+#include "core/error.hpp"
 #include "scenarios/experiment.hpp"
 #include "scenarios/layer_run.hpp"
 
@@ -84,7 +85,13 @@ class LayerExperiment : public Experiment {
 };
 
 std::optional<json> LayerExperiment::run(const Scene& scene, std::uint64_t seed) {
-  const std::optional<SpreadLayer> layer = runs_.run(scene, seed);
+  std::optional<SpreadLayer> layer;
+  try {
+    layer = runs_.run(scene, seed);
+  } catch (const Error& e) {
+    // What check() let pass is wrong over this bed alone, such as a spreader that would cut into a wall: a point that failed, not the study.
+    throw Error(e.place(), e.problem(), e.remedy(), Error::Kind::simulation);
+  }
   if (!layer) return std::nullopt;
   std::call_once(told_, [&] { tell(layer->spreading.prepared.findings); });  // the points differ in little
   return observables_of(*layer, *scene.layer);

@@ -50,6 +50,12 @@ small 'layer.settle: 10 ms' '60 um'
 [ "$status" = 0 ] || fail "exit status $status of a study whose bed did not settle"
 grep -q '"not_at_rest": 1' "$work/small/study.json" || fail 'a bed that did not settle counts as at rest'
 grep -q 'not at rest' "$work/log" || fail 'nothing tells that the bed did not settle'
+# A point whose spreader cannot pass over its bed has failed; the others are measured.
+small 'layer.settle: 20 ms' '60 um, -10 mm'
+[ "$status" = 3 ] || fail "exit status $status instead of 3: a point that cannot be spread"
+grep -q '"failed": 1' "$work/small/study.json" || fail 'a point that cannot be spread has not failed'
+grep -q '"Sa_after"' "$work/small/study.json" || fail 'the other point is not measured'
+grep -q 'layer.gap: the spreader would cut into the plate' "$work/log" || fail 'nothing tells why a point failed'
 small 'solver.max_iterations: 2' '60 um'
 [ "$status" = 3 ] || fail "exit status $status instead of 3: steps that do not converge"
 grep -q '"failed": 1' "$work/small/study.json" || fail 'a run that did not converge counts as a result'
