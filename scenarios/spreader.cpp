@@ -43,19 +43,58 @@ double farthest_start(const Tool& tool, double lowest, const Vec3& centre, doubl
 /// A scene may hold several spreaders to choose from.
 bool can_spread(const Tool& tool) { return std::holds_alternative<Roller>(tool.kind) || std::holds_alternative<Blade>(tool.kind); }
 
+constexpr double cut_depth = 1e-7;  // [m]
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+/// The smallest box along the axes that holds a piece; infinite for a half-space.
+struct Extent {
+  Vec3 lower = Vec3::Constant(endless), upper = Vec3::Constant(-endless);
+  double along_x() const { return upper.x() - lower.x(); }
+};
+
+Extent extent_of(const ToolBody& piece) {
+  Extent extent;
+  for (const Part& part : piece.shape.parts) {
+    const std::vector<Vec3> points = surface_points(part.primitive);
+    if (points.empty()) return {Vec3::Constant(-endless), Vec3::Constant(endless)};
+    for (const Vec3& point : points) {
+      const Vec3 at = piece.pose.to_world(part.pose.to_world(point));
+      extent.lower = extent.lower.cwiseMin(at);
+      extent.upper = extent.upper.cwiseMax(at);
+    }
+  }
+  return extent;
+}
+
+/// Places of the lowest line, between `from` and `to`, at which a piece that stands at x = 0 has to be looked at lest it passes through the other:
+/// where both ranges along x touch, half the smaller extent apart, and where their middles meet, for a roller is lowest there.
+std::vector<double> places_of_touch(const Extent& piece, const Extent& other, double from, double to) {
+  constexpr double most = 1000;
+  for (int axis = 1; axis < 3; ++axis)
+    if (piece.lower[axis] > other.upper[axis] - cut_depth || other.lower[axis] > piece.upper[axis] - cut_depth) return {};
+  const double first = std::max(from, other.lower.x() - piece.upper.x()), last = std::min(to, other.upper.x() - piece.lower.x());
+  if (!(first <= last)) return {};
+  const double steps = std::clamp(std::ceil((last - first) / (0.5 * std::min(piece.along_x(), other.along_x()))), 8.0, most);
+  std::vector<double> places;
+  for (int k = 0; k <= static_cast<int>(steps); ++k) places.push_back(first + (last - first) * k / steps);
+  const double middles = 0.5 * (other.lower.x() + other.upper.x() - piece.lower.x() - piece.upper.x());
+  if (std::isfinite(middles)) places.push_back(std::clamp(middles, first, last));
+  return places;
+}
+
 void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& path, double to) {
-  constexpr int places = 8;
-  for (int k = 0; k <= places; ++k) {
-    const double x = path.from + (to - path.from) * k / places;
-    for (const ToolBody& piece : build_tool(placed(spreader, x, path.lowest)))
-      for (const Tool& tool : scene.tools) {
-        if (can_spread(tool)) continue;
-        for (const ToolBody& other : build_tool(tool))
-          if (cut_into(piece.shape, piece.pose, other.shape, other.pose, 1e-7))
-            throw Error("layer.gap",
-                        fmt::format("at x = {:.4g} m the spreader, its lowest line at z = {:.6g} m, cuts into `{}`", x, path.lowest, tool.name),
+  const std::vector<ToolBody> pieces = build_tool(placed(spreader, 0, path.lowest));
+  for (const Tool& tool : scene.tools) {
+    if (can_spread(tool)) continue;
+    for (const ToolBody& other : build_tool(tool))
+      for (const ToolBody& piece : pieces)
+        for (const double x : places_of_touch(extent_of(piece), extent_of(other), path.from, to)) {
+          Pose pose = piece.pose;
+          pose.position.x() += x;
+          if (cut_into(piece.shape, pose, other.shape, other.pose, cut_depth))
+            throw Error("layer.gap", fmt::format("at x = {:.4g} m the spreader, its lowest line at z = {:.6g} m, cuts into `{}`", x, path.lowest, tool.name),
                         "make `gap` larger, lower or shorten that tool, or make the spreader narrower than the walls");
-      }
+        }
   }
 }
 

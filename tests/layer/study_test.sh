@@ -51,7 +51,7 @@ small 'layer.settle: 10 ms' '60 um'
 grep -q '"not_at_rest": 1' "$work/small/study.json" || fail 'a bed that did not settle counts as at rest'
 grep -q 'not at rest' "$work/log" || fail 'nothing tells that the bed did not settle'
 # A point whose spreader cannot pass over its bed has failed; the others are measured.
-small 'layer.settle: 20 ms' '60 um, -10 mm'
+small 'layer.settle: 20 ms' '60 um, -10000 um'
 [ "$status" = 3 ] || fail "exit status $status instead of 3: a point that cannot be spread"
 grep -q '"failed": 1' "$work/small/study.json" || fail 'a point that cannot be spread has not failed'
 grep -q '"Sa_after"' "$work/small/study.json" || fail 'the other point is not measured'

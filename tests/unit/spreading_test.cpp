@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
+#include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/bed.hpp"
 
@@ -25,7 +27,7 @@ Pose placed(const Model& model, std::size_t body, double t) {
 // A wall that comes down and shakes while the bed settles: when the spreader starts it is where it was, and goes on.
 TEST(Spreading, GoesOnFromWhereTheWallsWere) {
   const Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml",
-                                 {{"tools.far_end.motion", "{velocity: [0, 0, -1 mm/s], start: 20 ms, stop: 120 ms, vibration_amplitude: [0, 5 um, 0], vibration_frequency: 30 Hz}"}});
+                                 {{"tools.far_end.motion", "{velocity: [0, 0, -1 mm/s], start: 20 ms, stop: 120 ms, vibration_amplitude: [5 um, 0, 0], vibration_frequency: 30 Hz}"}});
   Options options;
   const Model bed = prepare_quietly(bed_scene(scene), options).model;
   Snapshot settled = bed.initial;
@@ -38,6 +40,37 @@ TEST(Spreading, GoesOnFromWhereTheWallsWere) {
   const std::size_t roller = tool(spread, "roller");
   EXPECT_EQ(placed(spread, roller, 0).position, spread.initial.position[roller]);
   EXPECT_NEAR(placed(spread, roller, 0.01).position.x() - spread.initial.position[roller].x(), 0.01 * scene.layer->speed, 1e-12);
+}
+
+// A plate in the way is found however thin it and the spreader are beside the travel.
+TEST(Spreading, IsRefusedWhereItWouldCutIntoAThinPlate) {
+  Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
+  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  constexpr double surface = 2e-3;  // [m], above all grains
+  scene.layer->from = -1e-3;
+  const double lowest = scene.layer->plate + surface + scene.layer->gap;
+  Tool fin{"fin", "steel", Plate{{2e-6, 1e-4, 5e-4}}, {}, {}};
+  const auto refused = [&](double x, double top) {
+    Scene with = scene;
+    fin.position = {x, 0, top};
+    with.tools.push_back(fin);
+    try {
+      spreader_path(with, bed, bed.initial, surface);
+      return false;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.place(), "layer.gap");
+      return true;
+    }
+  };
+  for (const bool blade : {false, true}) {
+    if (blade) std::find_if(scene.tools.begin(), scene.tools.end(), [](const Tool& t) { return t.name == "roller"; })->kind = Blade{1e-5, 1e-3, 1.1e-3};
+    for (const double x : {-0.7e-3, 0.7e-3, 1.03e-3, 2.5e-3}) {
+      EXPECT_TRUE(refused(x, lowest + 1e-6)) << blade << " " << x;
+      EXPECT_TRUE(refused(x, lowest + 2e-4)) << blade << " " << x;
+      EXPECT_FALSE(refused(x, lowest - 1e-6)) << blade << " " << x;
+    }
+    EXPECT_FALSE(blade && refused(3e-3, lowest + 1e-4)) << "beyond the end";
+  }
 }
 
 // Grains that hang in the air are slow too, until they have fallen for a while.
