@@ -11,6 +11,7 @@
 #include "core/plausibility.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/command_line.hpp"
+#include "scenarios/spreading.hpp"
 
 namespace repose {
 namespace {
@@ -61,6 +62,12 @@ void print_scene(const Scene& scene) {
                                   scene.solver.tolerance, scene.solver.max_iterations));
   print_row("duration", fmt::format("{:.4g} s, {:.0f} steps, a frame every {:.4g} s", scene.duration,
                                     scene.duration / scene.solver.time_step, scene.frame_interval));
+}
+
+void print_layer(const LayerSetup& layer) {
+  print_row("layer", fmt::format("{} spreads with {:.4g} m/s to x = {:.4g} m, {:.4g} m above the {}; the bed settles for {:.4g} s at most, step {:.4g} s",
+                                 layer.spreader, layer.speed, layer.to, layer.gap, layer.gap_from == LayerSetup::GapFrom::bed ? "bed's mean surface" : "plate",
+                                 layer.settle, layer.settle_time_step));
 }
 
 void print_model(const Scene& scene, const Model& model) {
@@ -117,6 +124,21 @@ int verdict(int refusals, bool force) {
   return force ? exit_status::done : exit_status::input;
 }
 
+/// Plausibility, and what the backend lacks. `names`: see KeyNames.
+std::vector<Finding> judged(const Scene& scene, const Model& model, const Backend& backend, const Options& options, const KeyNames& names) {
+  std::vector<Finding> findings = check_plausibility(scene, &model);
+  rename(names, findings);
+  for (const std::string& physics : backend.unsupported(model)) {
+    const std::string message = fmt::format("backend {} cannot do this", backend.name);
+    if (options.allow_unsupported)
+      findings.push_back({Finding::Level::warning, physics, message, "the run will leave it out"});
+    else
+      findings.push_back(
+          {Finding::Level::refusal, physics, message, "choose another --backend, or --allow-unsupported"});
+  }
+  return findings;
+}
+
 int check(const Options& options) {
   const Scene scene = load_scene(options.file, options.overrides);
   const Backend& backend = find_backend(options.backend);
@@ -129,14 +151,11 @@ int check(const Options& options) {
 
   const Model model = realise(scene, options.seed);
   if (!options.quiet) print_model(scene, model);
-  std::vector<Finding> findings = check_plausibility(scene, &model);
-  for (const std::string& physics : backend.unsupported(model)) {
-    const std::string message = fmt::format("backend {} cannot do this", backend.name);
-    if (options.allow_unsupported)
-      findings.push_back({Finding::Level::warning, physics, message, "the run will leave it out"});
-    else
-      findings.push_back(
-          {Finding::Level::refusal, physics, message, "choose another --backend, or --allow-unsupported"});
+  std::vector<Finding> findings = judged(scene, model, backend, options, {});
+  if (scene.layer) {  // what `repose layer` makes of it
+    if (!options.quiet) print_layer(*scene.layer);
+    for (const auto& [made, names] : {std::pair{bed_scene(scene), keys_of_bed()}, {spreading_above_all(scene), keys_of_spreading()}})
+      add_missing(judged(made, realise(made, options.seed), backend, options, names), findings);
   }
   return verdict(print_findings(findings), options.force);
 }

@@ -72,20 +72,6 @@ void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& pat
     fmt::print("{:<17}{}\n", what, (options.out / file).string());
 }
 
-/// The bed's step has a key of its own.
-Prepared prepare_bed(const Scene& scene, const Options& options) {
-  Prepared prepared = prepare_quietly(bed_scene(scene), options);
-  for (Finding& finding : prepared.findings)
-    if (finding.place == "solver.time_step") finding.place = "layer.settle_time_step";
-  repose::tell(prepared.findings);
-  return prepared;
-}
-
-void add_missing(const std::vector<Finding>& from, std::vector<Finding>& to) {
-  for (const Finding& finding : from)
-    if (std::none_of(to.begin(), to.end(), [&](const Finding& f) { return f.place == finding.place && f.message == finding.message; })) to.push_back(finding);
-}
-
 void warn_of_motion(const LayerMeasurement& m) {
   if (m.at_rest) return;
   fmt::print(stderr, "warning: the grains were not at rest when the surface after was measured (root mean square speed {:.2g} sqrt(g d))\n"
@@ -112,6 +98,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
   const Prepared bed_prepared = prepare_bed(scene, options);
+  repose::tell(bed_prepared.findings);
   check_spreading(scene, options);
   if (!goes_on(options)) clear(options.out);
   const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);

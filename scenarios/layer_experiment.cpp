@@ -73,7 +73,7 @@ class LayerExperiment : public Experiment {
   std::map<std::string, ReferenceValue> measured() const override { return {}; }
   void check(const Scene& scene, const std::string& place) const override {
     demand_layer(scene, place);
-    prepare(bed_scene(scene), options_);
+    tell(prepare_bed(scene, options_).findings);
     check_spreading(scene, options_);
   }
   std::optional<json> run(const Scene& scene, std::uint64_t seed) override;

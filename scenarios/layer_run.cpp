@@ -21,7 +21,7 @@ std::optional<RunReport> simulated(const Prepared& p, RunHooks hooks, const std:
 }  // namespace
 
 LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& options) {
-  Prepared prepared = prepare_quietly(bed_scene(scene), options);
+  Prepared prepared = prepare_bed(scene, options);
   const std::string key = bed_key(prepared, options);
   std::promise<BedInMemory> promise;
   std::shared_future<BedInMemory> future;

@@ -144,7 +144,7 @@ void record_runs(const RecordBlock& block, const Options& options, Bundle& bundl
     changes.insert(changes.end(), block.runs[i].set.begin(), block.runs[i].set.end());
     const Scene scene = load_scene(options.file, changes);
     // Where the scene puts a spreader holds for `repose run` alone.
-    Prepared prepared = prepare_quietly(scene.layer ? bed_scene(scene) : scene, of_one);
+    Prepared prepared = scene.layer ? prepare_bed(scene, of_one) : prepare_quietly(scene, of_one);
     if (i == 0) tell(prepared.findings);  // the runs differ in little
     solve_closely(prepared);
     const std::string text = "recording " + block.runs[i].id;

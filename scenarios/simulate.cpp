@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -98,16 +99,30 @@ void tell(const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) fmt::print(stderr, "{}: {}\n", level_name(finding.level), told(finding));
 }
 
-Prepared prepare_quietly(Scene scene, const Options& options, const std::function<void(Model&)>& adjust) {
+void rename(const KeyNames& names, std::vector<Finding>& findings) {
+  for (Finding& finding : findings)
+    if (const auto name = names.find(finding.place); name != names.end()) finding.place = name->second;
+}
+
+void add_missing(const std::vector<Finding>& from, std::vector<Finding>& to) {
+  for (const Finding& finding : from)
+    if (std::none_of(to.begin(), to.end(), [&](const Finding& f) { return f.place == finding.place && f.message == finding.message; })) to.push_back(finding);
+}
+
+Prepared prepare_quietly(Scene scene, const Options& options, const std::function<void(Model&)>& adjust, const KeyNames& names) {
+  const auto renamed = [&names](std::vector<Finding> findings) {
+    rename(names, findings);
+    return findings;
+  };
   Prepared p;
   p.backend = &find_backend(options.backend);
   p.scene = std::move(scene);
   p.scene.solver.threads = options.threads;
   std::vector<Finding> before;
-  judge(check_before_realising(p.scene), options.force, before);
+  judge(renamed(check_before_realising(p.scene)), options.force, before);
   p.model = realise(p.scene, options.seed);
   if (adjust) adjust(p.model);
-  judge(check_plausibility(p.scene, &p.model), options.force, p.findings);
+  judge(renamed(check_plausibility(p.scene, &p.model)), options.force, p.findings);
   p.unsupported = p.backend->unsupported(p.model);
   if (!p.unsupported.empty() && !options.allow_unsupported)
     throw Error("--backend " + options.backend, "this backend cannot do: " + listing(p.unsupported),

@@ -2,6 +2,7 @@
 /// The core that the commands share: scene -> plausibility -> model -> backend -> recorded run -> result.json.
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,15 @@ Prepared prepare(const std::filesystem::path& scene_file, const Options& options
 /// As above for a scene that is already loaded or edited. `adjust` may move the grains before they are checked (a settled bed).
 Prepared prepare(Scene scene, const Options& options, const std::function<void(Model&)>& adjust = {});
 
-/// As above, and tells nothing: for runs that are one of many.
-Prepared prepare_quietly(Scene scene, const Options& options, const std::function<void(Model&)>& adjust = {});
+/// Findings on keys that a command fills in by itself, told by the keys that the user wrote: {"duration", "layer.settle"}.
+using KeyNames = std::map<std::string, std::string>;
+void rename(const KeyNames& names, std::vector<Finding>& findings);
+
+/// As above, and tells nothing: for runs that are one of many, or told later.
+Prepared prepare_quietly(Scene scene, const Options& options, const std::function<void(Model&)>& adjust = {}, const KeyNames& names = {});
+
+/// Those of `from` that `to` does not have yet.
+void add_missing(const std::vector<Finding>& from, std::vector<Finding>& to);
 
 /// Findings on stderr.
 void tell(const std::vector<Finding>& findings);

@@ -50,7 +50,12 @@ void demand_layer(const Scene& scene, const std::string& place) {
               "say what spreads and where it is measured; see scenarios/configs/layer-quick.yaml");
 }
 
-void check_spreading(const Scene& scene, const Options& options) {
+KeyNames keys_of_bed() { return {{"duration", "layer.settle"}, {"solver.time_step", "layer.settle_time_step"}}; }
+KeyNames keys_of_spreading() { return {{"duration", "layer.to"}}; }
+
+Prepared prepare_bed(const Scene& scene, const Options& options) { return prepare_quietly(bed_scene(scene), options, {}, keys_of_bed()); }
+
+Scene spreading_above_all(const Scene& scene) {
   constexpr double above_all = 1;  // [m]
   const LayerSetup& setup = *scene.layer;
   SpreaderPath path;
@@ -58,8 +63,10 @@ void check_spreading(const Scene& scene, const Options& options) {
   path.from = setup.from.value_or(setup.lower.x());
   path.duration = (setup.to - path.from) / setup.speed;
   if (!(path.duration > 0)) throw Error("layer.to", "the spreader arrives before it starts, or does not reach the region", "make `to` larger");
-  prepare_quietly(spreading_scene(scene, path), options);
+  return spreading_scene(scene, path);
 }
+
+void check_spreading(const Scene& scene, const Options& options) { prepare_quietly(spreading_above_all(scene), options, {}, keys_of_spreading()); }
 
 Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options) {
   const LayerSetup& setup = *scene.layer;
@@ -71,7 +78,7 @@ Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& set
   ready.prepared = prepare_quietly(spreading_scene(scene, ready.path), options, [&](Model& model) {
     take_over(bed, settled, model);
     go_on_from(settled.time, setup.spreader, model);
-  });
+  }, keys_of_spreading());
   return ready;
 }
 

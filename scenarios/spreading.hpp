@@ -13,6 +13,16 @@ struct Spreading {
 /// Throws Error if the scene has no `layer` block. `place`: names the scene; may be empty.
 void demand_layer(const Scene& scene, const std::string& place);
 
+/// The bed ready to settle; its findings name the keys of `layer`, and are not told.
+Prepared prepare_bed(const Scene& scene, const Options& options);
+
+/// The keys that stand for those of bed_scene and of spreading_scene.
+KeyNames keys_of_bed();
+KeyNames keys_of_spreading();
+
+/// The spreading scene before its bed is known: the spreader travels high above all. Throws Error if it arrives before it starts.
+Scene spreading_above_all(const Scene& scene);
+
 /// Before a bed has settled for hours: throws Error for a spreading scene that would be refused wherever its spreader begins.
 void check_spreading(const Scene& scene, const Options& options);
 

@@ -163,3 +163,5 @@ edit periodic_fill_outside heap.yaml "duration: 0.005" $'duration: 0.005\nperiod
 
 # --- layers
 edit squares_in_nanometres bed.yaml "square: 60 um" "square: 6 nm" "" "layer.surface.square" "one grain diameter"
+edit settle_step_longer_than_the_settling bed.yaml "settle_time_step: 1.0e-4" "settle_time_step: 0.2" "" "layer.settle_time_step" "did you mean"
+edit spreader_that_arrives_before_it_starts bed.yaml "to: 0.6 mm" "to: -0.2 mm" "" "layer.to" 'make `to` larger'
