@@ -171,6 +171,7 @@ Packing packing_of_bed(const Model& model, const Snapshot& state, const SurfaceR
   for (double& s : p.below_surface) s /= n * slab;
   p.solid_volume = solid * area;
   p.volume = all * area;
+  p.area = n * area;
   p.fraction = all > 0 ? solid / all : 0;
   p.se = ratio_error(block_solid, block_all);
   p.pores = pores.size();

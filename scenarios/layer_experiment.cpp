@@ -29,7 +29,7 @@ json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
   o["Sa_ratio"] = m.before.roughness.Sa > 0 ? json(m.after.roughness.Sa / m.before.roughness.Sa) : json(nullptr);
   o["Sa_error_within"] = m.after.error ? json(m.after.error->Sa) : json(nullptr);
   o["thickness"] = m.thickness.mean;
-  o["layer_packing"] = m.layer_packing > 0 ? json(m.layer_packing) : json(nullptr);
+  o["solid_per_area"] = m.solid_per_area;
   const bool loaded = m.load.converged > 0;
   o["force_along"] = loaded ? json(m.load.force.x()) : json(nullptr);
   o["force_up"] = loaded ? json(m.load.force.z()) : json(nullptr);

@@ -84,7 +84,7 @@ json layer_json(const LayerMeasurement& m, const LayerSetup& setup, const Spread
                     {"filter", {{"F", "least-squares plane"}, {"S", setup.s_filter}, {"L", setup.l_filter}}},
                     {"unit", "m"}};
   out["packing_fraction"] = {{"before", m.before.packing.fraction}, {"after", m.after.packing.fraction}};
-  out["packing"] = {{"before", packing_json(m.before.packing)}, {"after", packing_json(m.after.packing)}, {"layer", m.layer_packing}};
+  out["packing"] = {{"before", packing_json(m.before.packing)}, {"after", packing_json(m.after.packing)}, {"solid_per_area", m.solid_per_area}};
   out["thickness"] = figures_json(m.thickness);
   out["segregation"] = {{"before", segregation_json(m.before.segregation)}, {"after", segregation_json(m.after.segregation)}};
   out["roller"] = load_json(m.load);

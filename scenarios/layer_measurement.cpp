@@ -91,8 +91,7 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
   for (std::size_t k = 0; k < m.after.grid.height.size(); ++k)
     thickness.push_back(static_cast<double>(m.after.grid.height[k]) - m.before.grid.height[k]);
   m.thickness = height_figures(std::move(thickness));
-  const double volume = m.after.packing.volume - m.before.packing.volume;
-  if (volume > 0) m.layer_packing = (m.after.packing.solid_volume - m.before.packing.solid_volume) / volume;
+  m.solid_per_area = (m.after.packing.solid_volume - m.before.packing.solid_volume) / m.after.packing.area;
   m.passed = m.after.heights.quantile[7] - (lowest - layer.plate);
   // Over the region, while it moves.
   m.load = measure_load(steps, (layer.lower.x() - from) / layer.speed, (std::min(layer.upper.x(), layer.to) - from) / layer.speed);

@@ -51,7 +51,7 @@ says 'roller'
 expect 0 "$bed" --out "$work/one" --quiet --threads 1
 says 'settled now'
 for file in result.json run.h5 surface.vdb surface.png report.html; do [ -s "$work/one/$file" ] || fail "no $file"; done
-for key in before after Sa Sq Sp Sv Sz Ssk Sku packing_fraction roller force torque; do
+for key in before after Sa Sq Sp Sv Sz Ssk Sku packing_fraction solid_per_area roller force torque; do
   grep -q "\"$key\"" "$work/one/result.json" || fail "the result lacks $key"
 done
 

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/bed.hpp"
+#include "scenarios/layer_measurement.hpp"
 
 namespace repose {
 namespace {
@@ -71,6 +74,26 @@ TEST(Spreading, IsRefusedWhereItWouldCutIntoAThinPlate) {
     }
     EXPECT_FALSE(blade && refused(3e-3, lowest + 1e-4)) << "beyond the end";
   }
+}
+
+// What came is what the grains hold that came, whatever became of the pores below.
+TEST(Layer, TellsTheSolidVolumeThatCamePerArea) {
+  const Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
+  const LayerSetup& setup = *scene.layer;
+  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  Snapshot fewer = bed.initial;
+  double volume = 0;
+  for (std::size_t i = 0; i < bed.bodies.size(); ++i) {
+    const Body& body = bed.bodies[i];
+    const double x = bed.initial.position[i].x();
+    if (body.role != BodyRole::grain || x < 0.5e-3 || x > 0.8e-3) continue;
+    volume += 4.0 / 3 * std::numbers::pi * std::pow(body.radius, 3);
+    fewer.position[i].x() += 1;
+  }
+  const double per_area = volume / (setup.upper - setup.lower).prod();
+  const auto came = [&](const Snapshot& before, const Snapshot& after) { return measure_layer(setup, bed, before, after, {}, 1e-3, -1e-3).solid_per_area; };
+  EXPECT_NEAR(came(fewer, bed.initial), per_area, 0.01 * per_area);
+  EXPECT_NEAR(came(bed.initial, fewer), -per_area, 0.01 * per_area);
 }
 
 // Grains that hang in the air are slow too, until they have fallen for a while.
