@@ -85,10 +85,10 @@ double share_at(const std::vector<float>& sorted, double share) {
   return sorted.empty() ? 0 : sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
-/// Error of a ratio of sums over blocks, by leaving out one block at a time (jackknife).
-double ratio_error(const std::vector<double>& upper, const std::vector<double>& lower) {
+/// Error of a ratio of sums over blocks, by leaving out one block at a time (jackknife). nullopt if there are too few, or one holds all.
+std::optional<double> ratio_error(const std::vector<double>& upper, const std::vector<double>& lower) {
   const std::size_t n = upper.size();
-  if (n < 8) return 0;
+  if (n < 8) return std::nullopt;
   double a = 0, b = 0, mean = 0, squares = 0;
   for (std::size_t k = 0; k < n; ++k) {
     a += upper[k];
@@ -98,6 +98,7 @@ double ratio_error(const std::vector<double>& upper, const std::vector<double>& 
   for (std::size_t k = 0; k < n; ++k) left.push_back((a - upper[k]) / (b - lower[k]));
   for (double x : left) mean += x / static_cast<double>(n);
   for (double x : left) squares += (x - mean) * (x - mean);
+  if (!std::isfinite(squares)) return std::nullopt;
   return std::sqrt(squares * static_cast<double>(n - 1) / static_cast<double>(n));
 }
 

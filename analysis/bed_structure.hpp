@@ -30,7 +30,7 @@ struct Packing {
   std::vector<double> solid;          ///< share of slab k, heights k to k + 1 slabs above the plate, that is solid [1]
   std::vector<double> below_surface;  ///< share of it that lies below the surface (under some grain's top) [1]
   double fraction = 0;                ///< solid share of the volume between plate and surface (holes: none) [1]
-  double se = 0;                      ///< of `fraction`, from blocks of the region; 0 if fewer than eight
+  std::optional<double> se;           ///< of `fraction`, from blocks of the region; nullopt if fewer than eight
   double solid_volume = 0, volume = 0;  ///< [m^3]
   double area = 0;                    ///< that the lines stand for [m^2]
   double pore_mean = 0, pore_median = 0, pore_p95 = 0;  ///< lengths of upright chords through pores below the surface [m]

@@ -37,7 +37,7 @@ json packing_json(const Packing& p) {
           {"solid", p.solid},
           {"below_surface", p.below_surface},
           {"fraction", p.fraction},
-          {"se", p.se},
+          {"se", p.se ? json(*p.se) : json(nullptr)},
           {"solid_volume", p.solid_volume},
           {"volume", p.volume},
           {"pore_chords", {{"n", p.pores}, {"mean", p.pore_mean}, {"median", p.pore_median}, {"p95", p.pore_p95}}}};
@@ -48,7 +48,7 @@ json bins_json(const std::vector<SegregationBin>& bins, const std::vector<std::s
   for (const SegregationBin& b : bins) {
     json shares = json::object();
     for (std::size_t k = 0; k < kinds.size(); ++k) shares[kinds[k]] = {{"share", b.share[k]}, {"se", b.share_se[k]}};
-    out.push_back({{"from", b.from}, {"to", b.to}, {"grains", b.grains}, {"size", b.size}, {"size_se", b.size_se}, {"shapes", shares}});
+    out.push_back({{"from", b.from}, {"to", b.to}, {"grains", b.grains}, {"size", b.size}, {"size_se", b.grains > 1 ? json(b.size_se) : json(nullptr)}, {"shapes", shares}});
   }
   return out;
 }
@@ -62,8 +62,8 @@ json load_json(const SpreaderLoad& l) {
   const auto known = [&](json value) { return l.converged > 0 ? std::move(value) : json(nullptr); };
   return {{"force", known(vector_json(l.force))},
           {"torque", known(vector_json(l.torque))},
-          {"force_se", known(vector_json(l.force_se))},
-          {"torque_se", known(vector_json(l.torque_se))},
+          {"force_se", l.force_se ? vector_json(*l.force_se) : json(nullptr)},
+          {"torque_se", l.torque_se ? vector_json(*l.torque_se) : json(nullptr)},
           {"largest_force", known(l.largest)},
           {"rise", known(l.rise)},
           {"largest_rise", known(l.rise_largest)},
@@ -97,7 +97,6 @@ json layer_json(const LayerMeasurement& m, const LayerSetup& setup, const Spread
   out["bed"] = {{"folder", bed.folder.string()}, {"at_rest", bed.at_rest},       {"time", bed.time},
                 {"speed_rms", bed.speed_rms},    {"residual_max", bed.residual_max}, {"converged_fraction", bed.converged_fraction}};
   out["bed_wall_s"] = bed.wall_s;
-  out["bed_reused"] = bed.reused;
   out["mass"] = {{"all", m.mass}, {"region_before", m.mass_in_region_before}, {"region_after", m.mass_in_region_after},
                  {"grains_moved_in", m.moved_in}, {"grains_below_plate", m.lost}};
   return out;

@@ -55,6 +55,7 @@ SpreaderLoad measure_load(const std::vector<StepRecord>& steps, double enters, d
   if (used.empty()) return load;
   constexpr std::size_t stretches = 10;
   for (const StepRecord* step : used) load.rise += step->tool_rise / static_cast<double>(used.size());
+  if (used.size() >= 2 * stretches) load.force_se = load.torque_se = Vec3::Zero();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> force(stretches, 0), torque(stretches, 0), count(stretches, 0);
     for (std::size_t k = 0; k < used.size(); ++k) {
@@ -67,13 +68,13 @@ SpreaderLoad measure_load(const std::vector<StepRecord>& steps, double enters, d
       load.force[axis] += step->tool_force[axis] / static_cast<double>(used.size());
       load.torque[axis] += step->tool_torque[axis] / static_cast<double>(used.size());
     }
-    if (used.size() < 2 * stretches) continue;
+    if (!load.force_se) continue;
     for (std::size_t s = 0; s < stretches; ++s) {
       force[s] /= count[s];
       torque[s] /= count[s];
     }
-    load.force_se[axis] = summarise(force).se;
-    load.torque_se[axis] = summarise(torque).se;
+    (*load.force_se)[axis] = summarise(force).se;
+    (*load.torque_se)[axis] = summarise(torque).se;
   }
   return load;
 }

@@ -29,7 +29,7 @@ struct BedSurface {
 /// The load on the spreader.
 struct SpreaderLoad {
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();        ///< means over converged steps while over the region [N], [N m]
-  Vec3 force_se = Vec3::Zero(), torque_se = Vec3::Zero();  ///< standard errors, from ten stretches of time
+  std::optional<Vec3> force_se, torque_se;                 ///< standard errors, from ten stretches of time; nullopt if fewer than 20 steps converged
   double largest = 0;       ///< largest force of a converged step [N]
   double rise = 0, rise_largest = 0;  ///< mean and largest height of a spreader that yields above its stops [m]
   std::size_t steps = 0, converged = 0;  ///< over the region

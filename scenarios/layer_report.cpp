@@ -253,7 +253,9 @@ Table bed_table(const LayerReportInput& in) {
   const auto row = [&](std::string a, std::string b, std::string c, std::string d) {
     t.rows.push_back({std::move(a), std::move(b), std::move(c), std::move(d)});
   };
-  const auto packing = [](const Packing& p) { return p.se > 0 ? rounded(p.fraction, p.se) : fmt::format("{:.4f}", p.fraction); };
+  // A dash: not known.
+  const auto with_error = [](double value, std::optional<double> se) { return se ? rounded(value, se) : rounded(value) + " ± –"; };
+  const auto packing = [&](const Packing& p) { return with_error(p.fraction, p.se); };
   row("layer thickness, mean", fmt::format("{:.2f}", m.thickness.mean * um), "µm", "after minus before, cell by cell");
   row("layer thickness, 5 % to 95 %", fmt::format("{:.1f} to {:.1f}", m.thickness.quantile[2] * um, m.thickness.quantile[6] * um), "µm", "");
   row("packing fraction before", packing(m.before.packing), "1", "solid share between plate and surface");
@@ -264,12 +266,16 @@ Table bed_table(const LayerReportInput& in) {
       fmt::format("of {:.4g} µg in all", m.mass * 1e9));
   row("grains that came into the region", fmt::format("{}", m.moved_in), "", "");
   const SpreaderLoad& l = m.load;
-  row("force along the travel", rounded(l.force.x() * um, l.force_se.x() * um), "µN", "mean over the region, standard error from ten stretches");
-  row("force upward", rounded(l.force.z() * um, l.force_se.z() * um), "µN", "");
+  const auto load = [&](const Vec3& mean, const std::optional<Vec3>& se, int axis, double unit) {
+    if (l.converged == 0) return std::string("–");
+    return with_error(mean[axis] * unit, se ? std::optional<double>((*se)[axis] * unit) : std::nullopt);
+  };
+  row("force along the travel", load(l.force, l.force_se, 0, um), "µN", "mean over the region, standard error from ten stretches");
+  row("force upward", load(l.force, l.force_se, 2, um), "µN", "");
   const bool yields = spreader_of(in.prepared.scene).yield.has_value();
   if (yields)
     row("rise of the spreader", fmt::format("{:.3g}, at most {:.3g}", l.rise * um, l.rise_largest * um), "µm", "above its stops, mean over the region");
-  row("torque about y", rounded(l.torque.y() * 1e9, l.torque_se.y() * 1e9), "nN m", "");
+  row("torque about y", load(l.torque, l.torque_se, 1, 1e9), "nN m", "");
   row("steps that converged", fmt::format("{} of {}", l.converged, l.steps), "", fmt::format("over the region; largest residual {:.2g}", l.residual_max));
   row("deepest penetration", fmt::format("{:.3g}", in.run.max_penetration * um), "µm", "over all steps, by geometry");
   row("contacts", fmt::format("{:.0f}", in.run.contacts_mean), "", "mean");

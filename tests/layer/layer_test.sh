@@ -71,6 +71,8 @@ expect 0 "$bed" --out "$work/two" --quiet --threads 2
 says 'reused'
 cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'another number of threads, another run.h5'
 cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'another number of threads, another surface'
+without_times() { grep -vE '"(wall_s|bed_wall_s|peak_memory_bytes)"' "$1/result.json"; }
+[ "$(without_times "$work/one")" = "$(without_times "$work/two")" ] || fail 'the same layer over the same bed, another result'
 
 # Measured while grains still move, which is told.
 grep -q '^  "at_rest": true' "$work/one/result.json" || fail 'the layer did not come to rest'

@@ -213,6 +213,8 @@ TEST(PackingOfBed, CubicLatticeWithItsPores) {
   EXPECT_NEAR(p.solid_volume, 5 * std::numbers::pi / 6, 2e-3);
   // A line that meets a ball runs through 2/3 of its diameter in the mean: pores of 1/3 between two balls, of 1/6 at the plate.
   EXPECT_NEAR(p.pore_mean, (4.0 / 3 + 1.0 / 6) / 5, 1e-3);
+  EXPECT_TRUE(p.se.has_value());
+  EXPECT_FALSE(packing_of_bed(heap.model, heap.state, {{0, 0}, {1, 1}, 0}, 0.05, 1, 0.5).se) << "four blocks";
 }
 
 }  // namespace

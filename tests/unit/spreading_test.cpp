@@ -10,6 +10,7 @@
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/bed.hpp"
+#include "scenarios/layer_json.hpp"
 #include "scenarios/layer_measurement.hpp"
 
 namespace repose {
@@ -94,6 +95,33 @@ TEST(Layer, TellsTheSolidVolumeThatCamePerArea) {
   const auto came = [&](const Snapshot& before, const Snapshot& after) { return measure_layer(setup, bed, before, after, {}, 1e-3, -1e-3).solid_per_area; };
   EXPECT_NEAR(came(fewer, bed.initial), per_area, 0.01 * per_area);
   EXPECT_NEAR(came(bed.initial, fewer), -per_area, 0.01 * per_area);
+}
+
+// Nothing is told of an error that too few steps cannot show.
+TEST(Layer, TellsNoErrorOfAForceFromTooFewSteps) {
+  const Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
+  const LayerSetup& setup = *scene.layer;
+  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  const double over_the_region = (setup.lower.x() + 1e-3 + 1e-4) / setup.speed;  // [s], from x = -1 mm
+  const auto told = [&](int converged) {
+    std::vector<StepRecord> steps(40);
+    for (int k = 0; k < 40; ++k) {
+      steps[static_cast<std::size_t>(k)].time = over_the_region + 1e-6 * k;
+      steps[static_cast<std::size_t>(k)].tool_force = Vec3(k % 3, 0, 1);
+      steps[static_cast<std::size_t>(k)].report.converged = k < converged;
+    }
+    const LayerMeasurement m = measure_layer(setup, bed, bed.initial, bed.initial, steps, 1e-3, -1e-3);
+    EXPECT_EQ(m.load.converged, static_cast<std::size_t>(converged));
+    return layer_json(m, setup, {}, {})["roller"];
+  };
+  EXPECT_TRUE(told(0)["force"].is_null());
+  EXPECT_TRUE(told(19)["force"].is_array());
+  for (const char* se : {"force_se", "torque_se"}) {
+    EXPECT_TRUE(told(0)[se].is_null());
+    EXPECT_TRUE(told(19)[se].is_null());
+    EXPECT_TRUE(told(40)[se].is_array());
+  }
+  EXPECT_GT(told(40)["force_se"][0], 0);
 }
 
 // Grains that hang in the air are slow too, until they have fallen for a while.
