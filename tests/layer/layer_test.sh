@@ -14,12 +14,12 @@ fail() {
   tail -n 20 -- "$work/log" >&2
   exit 1
 }
-# expect STATUS ARGUMENTS...: the command with its output in $work/log.
+# expect STATUS ARGUMENTS...: the command with its output in $work/log, its beds in $beds.
 expect() {
   wanted=$1
   shift
   status=0
-  timeout 400 "$layer" "$@" --beds "$work/beds" >"$work/log" 2>&1 </dev/null || status=$?
+  timeout 400 "$layer" "$@" --beds "${beds:-$work/beds}" >"$work/log" 2>&1 </dev/null || status=$?
   [ "$status" = "$wanted" ] || fail "exit status $status instead of $wanted: $*"
 }
 # start ARGUMENTS...: in the background, as $process, until `interrupt`.
@@ -66,13 +66,33 @@ for resume in '' --resume; do
   for file in result.json report.html surface.png surface.vdb; do [ ! -e "$work/stale/$file" ] || fail "$file of an earlier run stays${resume:+ with $resume}"; done
 done
 
-# It is used again, and two threads give the same bytes.
+# It is used again, and gives the same bytes.
 expect 0 "$bed" --out "$work/two" --quiet --threads 2
 says 'reused'
-cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'another number of threads, another run.h5'
-cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'another number of threads, another surface'
+cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'the same bed, another run.h5'
+cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'the same bed, another surface'
 without_times() { grep -vE '"(wall_s|bed_wall_s|peak_memory_bytes)"' "$1/result.json"; }
 [ "$(without_times "$work/one")" = "$(without_times "$work/two")" ] || fail 'the same layer over the same bed, another result'
+
+# Interrupted while it spreads and taken up again, too.
+start "$bed" --out "$work/resumed" --quiet --checkpoint-interval 0.05
+while [ ! -e "$work/resumed/frames/frame-000001.h5" ] && kill -0 "$process" 2>/dev/null; do sleep 0.02; done
+interrupt
+[ ! -e "$work/resumed/result.json" ] || fail 'an interrupted layer has a result'
+expect 0 "$bed" --out "$work/resumed" --quiet --resume
+cmp -s "$work/one/run.h5" "$work/resumed/run.h5" || fail 'interrupted and resumed, another run.h5'
+cmp -s "$work/one/surface.png" "$work/resumed/surface.png" || fail 'interrupted and resumed, another surface'
+
+# From 500 bodies and 1,000 contacts on the work is shared among the threads: the same bytes, bed and spreading.
+for threads in 1 2; do
+  beds=$work/beds_$threads
+  expect 0 "$bed" --out "$work/many_$threads" --quiet --threads $threads --set grains.bed.count=500 --set layer.settle=30ms --set layer.to=0.3mm \
+    --set layer.rest=2ms --set solver.tolerance=0.03
+done
+beds=
+cmp -s "$work/many_1/run.h5" "$work/many_2/run.h5" || fail 'another number of threads, another run.h5'
+cmp -s "$work/many_1/surface.png" "$work/many_2/surface.png" || fail 'another number of threads, another surface'
+grep -qE '"contacts_mean": [1-9][0-9]{3}' "$work/many_1/result.json" || fail 'too few contacts for two threads'
 
 # Measured while grains still move, which is told.
 grep -q '^  "at_rest": true' "$work/one/result.json" || fail 'the layer did not come to rest'
