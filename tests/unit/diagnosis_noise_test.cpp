@@ -142,5 +142,22 @@ TEST(Likelihood, IsTheGaussianDensity) {
   EXPECT_NEAR(gaussian_log_likelihood(w, scale), expected, 1e-12);
 }
 
+TEST(RecordedNoise, ReadingsInStepsOfTheNoiseScatterByATwelfthMore) {
+  constexpr double sd = 1e-3;
+  Flights f;
+  f.noise = sd;
+  f.rate = 1000;
+  Bundle bundle = flights(f);
+  bundle.noise["position"] = sd;
+  EXPECT_EQ(recorded_noise(bundle, {0, 1, 2, 3}).at("position").sd, sd);
+  for (BundleRun& run : bundle.runs)
+    for (Vec3& x : run.observations[0].position)
+      for (double& c : x) c = sd * std::round(c / sd);
+  const double both = sd * std::sqrt(1 + 1.0 / 12);
+  EXPECT_NEAR(recorded_noise(bundle, {0, 1, 2, 3}).at("position").sd, both, 0.02 * sd);
+  bundle.noise["position"] = 1.1 * sd;  // whoever stated it knew the step
+  EXPECT_EQ(recorded_noise(bundle, {0, 1, 2, 3}).at("position").sd, 1.1 * sd);
+}
+
 }  // namespace
 }  // namespace repose::diagnosis
