@@ -10,7 +10,7 @@ namespace repose {
 namespace {
 
 constexpr double longest_fair_gap = 50;     // times the usual interval
-constexpr std::size_t samples_that_tell_noise = 11;  // of a run: fewer make no eight third differences
+constexpr std::size_t differences_that_tell_noise = 8;  // third ones, of a run (recorded_noise.hpp)
 constexpr double shortest_fair_part = 300;  // the scene lasts at most so many times longer than its record
 
 /// Equal numbers; two missing ones are equal, too.
@@ -30,15 +30,19 @@ bool same(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 }
 
 bool same_data(const Observation& a, const Observation& b) {
-  return a.kind != ObservableKind::scalar && a.kind == b.kind && a.name == b.name && a.body == b.body &&
-         same(a.time, b.time) && same(a.position, b.position) && same(a.at, b.at) && same(a.value, b.value);
+  return a.kind == b.kind && a.name == b.name && a.body == b.body && same(a.time, b.time) && same(a.position, b.position) && same(a.at, b.at) &&
+         same(a.value, b.value) && (a.kind != ObservableKind::scalar || a.scalar == b.scalar);
 }
 
+/// Single numbers may be equal by chance: something with many samples must be, too.
 bool same_data(const BundleRun& a, const BundleRun& b) {
   if (a.observations.size() != b.observations.size()) return false;
-  for (std::size_t i = 0; i < a.observations.size(); ++i)
+  bool many = false;
+  for (std::size_t i = 0; i < a.observations.size(); ++i) {
     if (!same_data(a.observations[i], b.observations[i])) return false;
-  return true;
+    many = many || a.observations[i].kind != ObservableKind::scalar;
+  }
+  return many;
 }
 
 /// Every sample of the same value: a sensor that hangs, or one body taken for another.
@@ -80,6 +84,7 @@ void doubt_clocks(const BundleRun& run, const Scene& scene, std::vector<std::str
 /// A start value to be estimated of a body that the run does not show.
 void doubt_start_values(const BundleRun& run, std::vector<std::string>& doubts) {
   for (const std::string& key : run.free) {
+    if (!key.starts_with("bodies.")) continue;
     bool placed = false, turned = false;
     for (const Observation& o : run.observations) {
       if (!key.starts_with("bodies." + o.body + ".")) continue;
@@ -92,20 +97,31 @@ void doubt_start_values(const BundleRun& run, std::vector<std::string>& doubts) 
   }
 }
 
-/// Records of bodies so short that they do not tell their own noise, where none is given.
+/// Third differences that can be taken where there are four samples in a row.
+std::size_t third_differences(std::size_t samples, const auto& has) {
+  std::size_t count = 0, in_a_row = 0;
+  for (std::size_t i = 0; i < samples; ++i) {
+    in_a_row = has(i) ? in_a_row + 1 : 0;
+    count += in_a_row > 3 ? 1 : 0;
+  }
+  return count;
+}
+
+/// Records so short, or so full of gaps, that they do not tell their own noise, where none is given.
 void doubt_noise(const Bundle& bundle, std::vector<std::string>& doubts) {
-  if (!bundle.noise.empty()) return;
-  std::map<std::string, std::size_t> longest;
+  std::map<std::string, std::size_t> most;
+  const auto tell = [&](const std::string& name, std::size_t samples, const auto& has) { most[name] = std::max(most[name], third_differences(samples, has)); };
   for (const BundleRun& run : bundle.runs)
     for (const Observation& o : run.observations) {
       if (o.body.empty()) continue;
-      longest[o.name] = std::max(longest[o.name], o.time.size());
-      if (!o.orientation.empty()) longest["orientation"] = std::max(longest["orientation"], o.time.size());
+      for (int k = 0; k < 3; ++k) tell(o.name, o.position.size(), [&](std::size_t i) { return std::isfinite(o.position[i][k]); });
+      tell(o.name, o.value.size(), [&](std::size_t i) { return std::isfinite(o.value[i]); });
+      if (!o.orientation.empty()) tell("orientation", o.orientation.size(), [&](std::size_t i) { return std::isfinite(o.orientation[i].w()); });
     }
-  for (const auto& [name, samples] : longest)
-    if (samples < samples_that_tell_noise)
-      doubts.push_back(fmt::format("the noise of `{}` is not given, and {} samples are too few to tell it: it is taken as a ten-thousandth of what is seen, "
-                                   "and anything above that as missing physics; state it under `noise`", name, samples));
+  for (const auto& [name, differences] : most)
+    if (differences < differences_that_tell_noise && !bundle.noise.contains(name))
+      doubts.push_back(fmt::format("the noise of `{}` is not given, and no run has the {} samples in a row that would tell it: it is taken as a ten-thousandth of what is "
+                                   "seen, and anything above that as missing physics; state it under `noise`", name, differences_that_tell_noise + 3));
 }
 
 }  // namespace

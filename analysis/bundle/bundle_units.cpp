@@ -30,6 +30,8 @@ const std::map<std::string, Dimension>& dimensions() {
   return known;
 }
 
+bool about_a_thousand(double ratio) { return (ratio > thousand_from && ratio < thousand_to) || (1 / ratio > thousand_from && 1 / ratio < thousand_to); }
+
 /// The first position with an observed axis, and the farthest that the body came from it.
 struct Path {
   Vec3 first = Vec3::Zero(), start = Vec3::Zero();  ///< observed axes; others are 0
@@ -67,10 +69,24 @@ void check_lengths(const BundleRun& run, const Observation& o, const SceneBody& 
   const double there = path.first.norm(), here = path.start.norm();
   if (is_free || there == 0 || here == 0) return;
   const double ratio = there / here;
-  if ((ratio > thousand_from && ratio < thousand_to) || (1 / ratio > thousand_from && 1 / ratio < thousand_to))
+  if (about_a_thousand(ratio))
     throw Error(place, fmt::format("it begins {:.3g} m from the origin, where the scene starts it {:.3g} m away: a factor of about 1000", there, here),
                 ratio > 1 ? "positions are in metres: are these millimetres? Else mend the start in the scene"
                           : "positions are in metres: are these kilometres? Else mend the start in the scene");
+}
+
+/// A body's height or speed as a series, against what its start and gravity allow.
+void check_series(const BundleRun& run, const Observation& o, const SceneBody& body) {
+  const double t = o.time.back(), gained = standard_gravity * t, speed = body.velocity.norm() + any_speed;
+  double low = INFINITY, high = -INFINITY;
+  for (const double value : o.value)
+    if (std::isfinite(value)) low = std::min(low, value), high = std::max(high, value);
+  const double seen = o.name == "height" ? high - low : std::max(std::abs(low), std::abs(high));
+  const double most = o.name == "height" ? (speed + 0.5 * gained) * t : speed + gained;
+  if (seen > too_far * most)
+    throw Error(fmt::format("run {}: {}: {} of `{}`", run.id, o.file, o.name, o.body),
+                fmt::format("it changes by {:.3g} {} within {:.3g} s, where {:.3g} is what its start and gravity allow", seen, unit_of(dimensions().at(o.name)), t, most),
+                "without a `unit`, numbers are in SI units: are these millimetres, or milliseconds?");
 }
 
 }  // namespace
@@ -106,6 +122,19 @@ void turn_into_si(const YamlReader& entry, Observation& o) {
   o.unit = unit_of(found->second);
 }
 
+std::vector<std::string> doubtful_scales(const BundleRun& run, const Scene& scene) {
+  std::vector<std::string> doubts;
+  for (const Observation& o : run.observations)
+    for (const SceneBody& body : scene.bodies) {
+      if (o.kind != ObservableKind::trajectory || body.name != o.body || o.time.empty()) continue;
+      const double seen = path_of(o, body.position).extent, expected = body.velocity.norm() * o.time.back();
+      if (about_a_thousand(seen / expected))
+        doubts.push_back(fmt::format("run {}: `{}` moves {:.3g} m within {:.3g} s, where its start velocity in the scene takes it {:.3g} m; are positions in metres, times in seconds?",
+                                     run.id, o.body, seen, o.time.back(), expected));
+    }
+  return doubts;
+}
+
 void check_scales(const BundleRun& run, const Scene& scene) {
   for (const Observation& o : run.observations) {
     if (o.time.empty() || o.kind == ObservableKind::profile) continue;
@@ -113,9 +142,11 @@ void check_scales(const BundleRun& run, const Scene& scene) {
       throw Error(fmt::format("run {}: {}: `{}`", run.id, o.file, o.name),
                   fmt::format("its times end at {:.6g} s, but the scene after {:.6g} s", o.time.back(), scene.duration),
                   "times are in seconds from the start of the scene: are these milliseconds, or a clock of their own? Else make `duration` longer");
-    if (o.kind != ObservableKind::trajectory) continue;
-    for (const SceneBody& body : scene.bodies)
-      if (body.name == o.body) check_lengths(run, o, body);
+    for (const SceneBody& body : scene.bodies) {
+      if (body.name != o.body) continue;
+      if (o.kind == ObservableKind::trajectory) check_lengths(run, o, body);
+      if (o.kind == ObservableKind::series && (o.name == "height" || o.name == "speed")) check_series(run, o, body);
+    }
   }
 }
 

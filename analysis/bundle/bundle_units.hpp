@@ -15,4 +15,7 @@ void turn_into_si(const YamlReader& entry, Observation& observation);
 /// farther than the start, times a hundred times longer than the scene lasts.
 void check_scales(const BundleRun& run, const Scene& scene);
 
+/// Paths a thousand times longer or shorter than the start velocity of their body in `scene` (the run's own) suggests, in words.
+std::vector<std::string> doubtful_scales(const BundleRun& run, const Scene& scene);
+
 }  // namespace repose

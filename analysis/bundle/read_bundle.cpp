@@ -99,6 +99,9 @@ class BundleReader {
       if (set.node().kind != YamlNode::Kind::map)
         set.fail("expected a map of scene keys", "write `{bodies.ball.position: [0, 0, 1]}`");
       for (const YamlEntry& entry : set.node().entries) {
+        const auto same = [&](const std::string& key) { return key == entry.key || key.starts_with(entry.key + ".") || entry.key.starts_with(key + "."); };
+        if (const auto free = std::find_if(bundle_.calibrate.begin(), bundle_.calibrate.end(), same); free != bundle_.calibrate.end())
+          set.fail(fmt::format("the run sets `{}`, which `calibrate` leaves to one fit over all runs (`{}`)", entry.key, *free), "remove the key from one of the two");
         run.set.push_back({entry.key, emit_yaml(entry.value)});
         try {
           set_path(tree, entry.key, run.set.back().value);
@@ -136,6 +139,7 @@ class BundleReader {
     if (windows_ && run.free.empty())
       reader.fail("`windows` begin anew, but this run has no `free` start values", "name its start values in `free`");
     check_scales(run, scene);
+    for (std::string& doubt : doubtful_scales(run, scene)) bundle_.warnings.push_back(std::move(doubt));
     bundle_.runs.push_back(std::move(run));
   }
 

@@ -122,6 +122,8 @@ void read_profile(const CsvTable& table, Observation& o) {
       o.time.push_back(table.number(row, table.find("time")));
       if (std::isnan(o.time.back()))
         throw Error(table.place(row, table.find("time")), "a sample has no time", "give it, or remove the column");
+      if (o.time.size() > 1 && o.time.back() < o.time[o.time.size() - 2])
+        throw Error(table.place(row, table.find("time")), "the profiles are not in the order of their times", "sort the lines by time: the last profile is taken for the final one");
     }
   }
   if (o.at.size() < 2)

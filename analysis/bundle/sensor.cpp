@@ -64,6 +64,11 @@ void observe(const History& history, const std::vector<double>& times, Observati
 
 void disturb(const SensorModel& sensor, Random& random, Observation& o) {
   const double sd = noise_of(sensor, o.name), turn = noise_of(sensor, "orientation");
+  if (o.kind == ObservableKind::scalar) {
+    o.scalar += sd * normal(random);
+    o.sd = sd;
+    return;
+  }
   for (std::size_t i = 0; i < o.time.size() || (o.time.empty() && i < o.value.size()); ++i) {
     // The draws do not depend on what is missing, so that a record with dropouts is the same record with gaps.
     const bool lost = random.uniform() < sensor.dropouts;

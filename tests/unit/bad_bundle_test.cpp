@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 const std::string recording = R"(scene: nominal.yaml
 calibrate: [pairs.steel-steel.friction]
-noise: {position: 1.0e-3}
+noise: {position: 1.0e-3, orientation: 0.01}
 runs:
   - id: a
     held_out: false
@@ -32,7 +32,12 @@ runs:
 )";
 const std::string path_a = "time,body,x,y,z,qw,qx,qy,qz\n0,ball,0,0,1,1,0,0,0\n0.1,ball,0.03,0,0.951,1,0,0,0\n0.2,ball,0.06,0,0.804,1,0,0,0\n0.3,ball,0.09,0,0.559,1,0,0,0\n";
 const std::string path_b = "time,body,x,y,z\n0,ball,0,0,1\n0.1,ball,0.031,0,0.951\n0.2,ball,0.062,0,0.804\n0.3,ball,0.093,0,0.559\n";
-const std::string force = "time,value\n0,0\n0.1,0.01\n0.2,0.02\n0.3,0.03\n";
+/// Long enough to tell its own noise.
+const std::string force = [] {
+  std::string text = "time,value\n";
+  for (int i = 0; i < 13; ++i) text += std::to_string(0.025 * i) + "," + std::to_string(0.0025 * i) + "\n";
+  return text;
+}();
 
 struct Case {
   std::string name, file, from, bad, good;  ///< in `file` the text `from` becomes `bad`, in the twin `good`
@@ -102,7 +107,10 @@ const std::vector<Case>& cases() {
        "did you mean `friction`?"},
       {"calibrates_a_word", "recording.yaml", "[pairs.steel-steel.friction]", "[bodies.ball.material]", "[pairs.steel-steel.restitution]", "calibrate",
        "number in SI"},
+      {"set_and_calibrated", "recording.yaml", "set: {bodies.ball.velocity: [0.3, 0, 0]}", "set: {pairs.steel-steel: {friction: 0.2}}", "set: {bodies.ball.velocity: [0.2, 0, 0]}",
+       "which `calibrate` leaves to one fit", "one of the two"},
       // Doubtful, but possible.
+      {"noise_that_no_run_tells", "s.csv", force, "time,value\n0,0\n0.1,0.01\n0.2,0.02\n0.3,0.03\n", force, "the noise of `specific_force` is not given", ""},
       {"same_run_twice", "recording.yaml", "file: b.csv}]", "file: b.csv}]\n  - id: c\n    observables: [{kind: trajectory, body: ball, file: b.csv}]",
        "file: b.csv}]", "hold the same data", ""},
       {"hanging_sensor", "s.csv", force, "time,value\n0,0.01\n0.1,0.01\n0.2,0.01\n0.3,0.01\n", force, "never changes", ""},

@@ -210,7 +210,7 @@ TEST_F(BundleFolder, SaysWhatIsDoubtful) {
 TEST_F(BundleFolder, SaysThatShortRecordsDoNotTellTheirNoise) {
   const Bundle bundle = read_bundle(folder);
   ASSERT_EQ(bundle.warnings.size(), 1U);
-  EXPECT_NE(bundle.warnings[0].find("noise of `position` is not given, and 3 samples"), std::string::npos) << bundle.warnings[0];
+  EXPECT_NE(bundle.warnings[0].find("noise of `position` is not given, and no run has the 11 samples in a row"), std::string::npos) << bundle.warnings[0];
 }
 
 TEST_F(BundleFolder, AnglesAreInRadiansWithoutAUnitAndProfilesInTheirs) {
@@ -232,6 +232,52 @@ TEST_F(BundleFolder, AFreeStartMayBeFast) {
   EXPECT_EQ(refusal(), "");
   write("a.csv", "time,body,x,y,z\n0,ball,0,0,1\n0.01,ball,75,0,1\n0.02,ball,150,0,1\n0.03,ball,225,0,1\n");
   expect_refusal("it moves 225 m", "millimetres");
+}
+
+TEST_F(BundleFolder, AHeightInMillimetresFallsFasterThanAnythingCan) {
+  const std::string height = "scene: nominal.yaml\nnoise: {height: 1.0e-3}\nruns: [{id: a, observables: [{kind: series, name: height, body: ball, file: h.csv}]}]\n";
+  write("h.csv", "time,value\n0,1\n0.1,0.951\n0.2,0.804\n0.3,0.559\n");
+  write("recording.yaml", height);
+  EXPECT_EQ(refusal(), "");
+  write("h.csv", "time,value\n0,1000\n0.1,951\n0.2,804\n0.3,559\n");
+  expect_refusal("height of `ball`", "millimetres");
+}
+
+TEST_F(BundleFolder, DoubtsAPathAThousandTimesTooShort) {
+  write("a.csv", "time,body,x\n0,ball,0\n0.1,ball,0.00003\n0.2,ball,0.00006\n0.3,ball,0.00009\n");
+  write("recording.yaml", yaml("    free: [bodies.ball.position]\n", "noise: {position: 1 mm}\n"));
+  const Bundle bundle = read_bundle(folder);
+  ASSERT_EQ(bundle.warnings.size(), 1U);
+  EXPECT_NE(bundle.warnings[0].find("are positions in metres"), std::string::npos) << bundle.warnings[0];
+}
+
+TEST_F(BundleFolder, GapsLeaveTooFewDifferencesForTheNoise) {
+  std::string whole = "time,body,x\n", gaps = whole;
+  for (int i = 0; i < 30; ++i) {
+    whole += std::to_string(0.01 * i) + ",ball," + std::to_string(0.003 * i) + "\n";
+    gaps += std::to_string(0.01 * i) + ",ball," + (i % 3 == 0 ? "" : std::to_string(0.003 * i)) + "\n";
+  }
+  write("a.csv", whole);
+  EXPECT_TRUE(read_bundle(folder).warnings.empty());
+  write("a.csv", gaps);
+  ASSERT_EQ(read_bundle(folder).warnings.size(), 1U);
+}
+
+TEST_F(BundleFolder, ProfilesComeInTheOrderOfTheirTimes) {
+  write("p.csv", "time,radius,height\n0.1,0,5e-3\n0.1,1e-3,2e-3\n0,0,1e-3\n0,1e-3,0\n");
+  write("recording.yaml", "scene: nominal.yaml\nruns: [{id: a, observables: [{kind: profile, name: heap, file: p.csv}]}]\n");
+  expect_refusal("not in the order of their times", "sort the lines");
+}
+
+TEST_F(BundleFolder, EqualProfilesAreTheSameRunThoughTheirAnglesAreEqualToo) {
+  write("p.csv", "radius,height\n0,5e-3\n1e-3,2e-3\n");
+  const std::string observables = "observables: [{kind: scalar, name: angle_of_repose, value: 0.5, sd: 0.01}, {kind: profile, name: heap, file: p.csv}]";
+  write("recording.yaml", "scene: nominal.yaml\nruns:\n  - id: a\n    " + observables + "\n  - id: b\n    " + observables + "\n");
+  ASSERT_EQ(read_bundle(folder).warnings.size(), 1U);
+  EXPECT_NE(read_bundle(folder).warnings[0].find("same data"), std::string::npos);
+  const std::string angle = "observables: [{kind: scalar, name: angle_of_repose, value: 0.5, sd: 0.01}]";
+  write("recording.yaml", "scene: nominal.yaml\nruns:\n  - id: a\n    " + angle + "\n  - id: b\n    " + angle + "\n");
+  EXPECT_TRUE(read_bundle(folder).warnings.empty()) << "two angles may be equal by chance";
 }
 
 TEST_F(BundleFolder, ABodyHasOneTrajectory) {
