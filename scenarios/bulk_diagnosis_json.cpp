@@ -131,13 +131,15 @@ json bulk_diagnosis_json(const BulkDiagnosis& d, const Bundle& bundle) {
 
 std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
   if (d.models.empty()) return "Interrupted before the nominal scene was simulated.";
+  if (d.interrupted && d.best == 0)
+    return fmt::format("Interrupted: the nominal scene was simulated (lack of fit p = {:.2g}), no candidate was judged yet.", d.lack_of_fit_p);
   if (d.verdict.word == "none")
     return d.tested_dimensions > 0 ? fmt::format("Nothing is missing: the nominal scene explains what was recorded within the scatter of its packings (p = {:.2g}).", d.lack_of_fit_p)
                                    : "Nothing can be said: there are as many free constants as tested numbers.";
-  std::string text;
+  std::string text = d.interrupted ? "Interrupted; this is what was found until then. " : "";
   if (!d.where.empty()) {
     const BulkLocated& l = d.where.front();
-    text = fmt::format("The recorded {}{} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", l.observable, l.quantity.empty() ? "" : " (" + l.quantity + ")", std::abs(l.in_scatter),
+    text += fmt::format("The recorded {}{} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", l.observable, l.quantity.empty() ? "" : " (" + l.quantity + ")", std::abs(l.in_scatter),
                        l.radius_from ? fmt::format(" between {:.3g} and {:.3g} m from the axis", *l.radius_from, *l.radius_to)
                        : l.t_start   ? fmt::format(" between {:.3g} and {:.3g} s", *l.t_start, *l.t_end)
                                      : "",

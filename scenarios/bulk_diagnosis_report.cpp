@@ -91,7 +91,7 @@ Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle) {
   const BulkScore& best = d.models[d.best].held_out.runs.empty() ? d.models[d.best].train : d.models[d.best].held_out;
   const BulkScore& before = best.runs.empty() || d.models.front().held_out.runs.empty() ? d.models.front().train : d.models.front().held_out;
   if (std::isfinite(best.chi2_per_dof))
-    r.headlines.push_back({"Verdict: " + d.verdict.word, best.chi2_per_dof, std::nullopt, "", fmt::format("chi² per number of the extended scene; nominal {:.3g}", before.chi2_per_dof)});
+    r.headlines.push_back({(d.interrupted ? "Verdict when it was interrupted: " : "Verdict: ") + d.verdict.word, best.chi2_per_dof, std::nullopt, "", fmt::format("chi² per number of the extended scene; nominal {:.3g}", before.chi2_per_dof)});
   Section what{"What is missing", {ranking(found)}};
   if (!d.verdict.indistinguishable.empty())
     what.blocks.emplace_back(Text{fmt::format("These cannot be told apart with the recordings at hand: {}.", fmt::join(d.verdict.indistinguishable.front(), ", "))});

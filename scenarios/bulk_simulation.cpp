@@ -170,15 +170,14 @@ diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle&
     options.force = true;  // a value that is tried may be absurd
     LayerRuns layers(options, LayerRuns::Beds::dropped);
     const auto simulate = [&](const Job& job) -> std::optional<json> {
-      Scene scene = parse_scene(requests[job.scene].scene, bundle.scene_file.string(), {}, bundle.scene_file.parent_path());
-      scene.solver.threads = 1;
       try {
+        Scene scene = parse_scene(requests[job.scene].scene, bundle.scene_file.string(), {}, bundle.scene_file.parent_path());
+        scene.solver.threads = 1;
         return scene.layer ? spread_one(layers, scene, job.seed) : simulate_one(backend, scene, job.seed, shown, how.allow_unsupported);
       } catch (const Error& e) {
         if (interrupted()) return std::nullopt;
-        // Over a bed that a tried value has made lower or higher the spreader may not pass: a point that failed, not bad input.
-        if (scene.layer) throw Error(e.place(), e.problem(), e.remedy(), Error::Kind::simulation);
-        throw;
+        // A scene that cannot be built or run with a tried value is a point that failed, not bad input. Of the nominal scene it is told as such.
+        throw Error(e.place(), e.problem(), e.remedy(), Error::Kind::simulation);
       }
     };
     const JobsReport report = run_jobs(jobs, how.folder, how.workers, simulate, hooks);

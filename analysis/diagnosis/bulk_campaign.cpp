@@ -212,6 +212,8 @@ void BulkCampaign::numerics() {
   BulkModel& model = models_.back();
   model.candidate.kind = BulkCandidate::Kind::numerics;
   model.candidate.hypothesis.terms = {{find_effect("time_step"), ""}};
+  const BulkModel& nominal = models_.front();
+  model.candidate.calibrated = values_at(nominal.candidate, nominal.design[static_cast<std::size_t>(nominal.direct)].at);
   try {
     simulate("a finer step", {{&model, VectorXd(0), options_.numerics_seeds}});
   } catch (const BulkInterrupted&) {

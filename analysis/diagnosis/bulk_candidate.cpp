@@ -199,7 +199,7 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   const BulkCandidate nominal = nominal_candidate(bundle, scale);
   std::vector<BulkCandidate> result;
   std::vector<std::string> taken;
-  const std::vector<Term> terms = possible_terms(bundle.scene, bundle.calibrate, scale);
+  const std::vector<Term> terms = possible_terms(bundle, scale);
   for (const std::string& name : wanted.empty() ? bulk_effects() : wanted)
     for (const Term& term : terms) {
       if (term.row->name != name || term.row->site == EffectSite::measurement || !among_grains(term, bundle.scene)) continue;
@@ -218,6 +218,15 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   return result;
 }
 
+std::vector<Override> values_at(const BulkCandidate& candidate, const VectorXd& point) {
+  std::vector<Override> values;
+  for (std::size_t i = 0; i < candidate.parameters.size(); ++i) {
+    const Parameter& p = candidate.parameters[i];
+    values.push_back({p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component), fmt::format("{}", value_at(p, point[static_cast<Index>(i)]))});
+  }
+  return values;
+}
+
 YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkCandidate& candidate, const VectorXd& point,
                     const std::vector<Override>& set) {
   YamlNode tree = parse_yaml(bundle.scene.text, "scene");
@@ -226,14 +235,11 @@ YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkC
   if (candidate.kind == BulkCandidate::Kind::numerics) {
     set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
     set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
+    for (const Override& constant : candidate.calibrated) set_path(tree, constant.path, constant.value);
     return tree;
   }
   put_terms(tree, candidate.hypothesis, scale);
-  for (std::size_t i = 0; i < candidate.parameters.size(); ++i) {
-    const Parameter& p = candidate.parameters[i];
-    const std::string path = p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component);
-    set_path(tree, path, fmt::format("{}", value_at(p, point[static_cast<Index>(i)])));
-  }
+  for (const Override& value : values_at(candidate, point)) set_path(tree, value.path, value.value);
   return tree;
 }
 

@@ -23,6 +23,7 @@ struct BulkCandidate {
   } kind = Kind::simulated;
   Hypothesis hypothesis;               ///< none: the nominal scene
   std::vector<Parameter> parameters;   ///< axes of the cube: calibrated constants, then those of the terms
+  std::vector<Override> calibrated;    ///< numerics: the constants as the nominal scene was fitted
 };
 
 double value_at(const Parameter& parameter, double u);
@@ -43,6 +44,9 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
 
 /// Names tried if none are asked for, the likeliest first.
 const std::vector<std::string>& bulk_effects();
+
+/// The keys that the axes set at a point of the cube.
+std::vector<Override> values_at(const BulkCandidate& candidate, const Eigen::VectorXd& point);
 
 /// The scene of the candidate at a point of its cube, with the keys of one setting.
 YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkCandidate& candidate, const Eigen::VectorXd& point,

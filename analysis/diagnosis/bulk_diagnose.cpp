@@ -10,6 +10,7 @@
 #include "analysis/diagnosis/bulk_statistics.hpp"
 #include "analysis/diagnosis/score.hpp"
 #include "analysis/statistics.hpp"
+#include "core/error.hpp"
 #include "core/yaml_tree.hpp"
 
 namespace repose::diagnosis {
@@ -93,6 +94,7 @@ class BulkDiagnosing {
   BulkDiagnosis run() {
     try {
       campaign_.nominal();
+      demand_units();
       const double p = campaign_.lack_of_fit(campaign_.models().front()).p;
       if (p > plainly_rejected && p < plainly_fits && options_.doubtful_seeds > 0) campaign_.more_of_nominal();
       measure_mismatch();
@@ -115,7 +117,28 @@ class BulkDiagnosing {
   const BulkData& prepared() {
     result_.data = bulk_data(bundle_, options_.seed, result_.notes);
     for (const std::string& warning : bundle_.warnings) result_.notes.push_back(warning);
+    if (!bundle_.noise.empty()) result_.notes.push_back("The stated noise was not used: of many grains the scatter between packings is larger and is estimated.");
+    if (std::any_of(bundle_.runs.begin(), bundle_.runs.end(), [](const BundleRun& run) { return !run.free.empty(); }))
+      result_.notes.push_back("Start values that are `free` were left as in the scene: of many grains none is estimated.");
     return result_.data;
+  }
+
+  /// A recording in millimetres or grams is no physics.
+  void demand_units() const {
+    const BulkModel& nominal = campaign_.models().front();
+    const std::size_t s = result_.data.first_fitted();
+    const MatrixXd simulated = complete_rows(rows_at_fit(nominal, nominal, result_.data, s));
+    const MatrixXd& recorded = result_.data.settings[s].train;
+    if (simulated.rows() == 0 || recorded.rows() == 0) return;
+    for (std::size_t k = 0; k < result_.data.summaries.size(); ++k) {
+      const double ours = std::abs(simulated.col(static_cast<Index>(k)).mean()), theirs = std::abs(recorded.col(static_cast<Index>(k)).mean());
+      const double thousands = std::log10(theirs / ours) / 3;
+      if (!std::isfinite(thousands) || std::abs(thousands) < 0.8) continue;
+      const BulkSummary& summary = result_.data.summaries[k];
+      throw Error(fmt::format("run {}: {}", bundle_.runs[result_.data.settings[s].train_runs.front()].id, summary.observable),
+                  fmt::format("its {} is {:.3g} {}, {:.2g} times what the nominal scene gives ({:.3g})", summary.name, theirs, summary.unit, theirs / ours, ours),
+                  "recordings are in SI units unless `unit` says otherwise: are these millimetres, grams or milliseconds? If they are not, the scene is another experiment");
+    }
   }
 
   void measure_mismatch() {
