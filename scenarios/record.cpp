@@ -1,5 +1,6 @@
 /// repose record SCENE.yaml: a simulated run as a recording bundle.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,6 +15,7 @@
 #include "analysis/side_by_side.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
+#include "scenarios/interrupt.hpp"
 #include "scenarios/layer_observations.hpp"
 #include "scenarios/progress.hpp"
 #include "scenarios/record_block.hpp"
@@ -62,15 +64,22 @@ std::vector<Observation> observe_layer(const SpreadLayer& layer, const RecordBlo
   return result;
 }
 
+/// A recorded run, and whether the steps behind it converged.
+struct Recorded {
+  BundleRun run;
+  bool converged = true;
+};
+
 /// Everything that was asked for of any other scene.
 std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock& block, const Options& options, std::uint64_t seed,
-                                     const TellProgress& progress) {
+                                     const TellProgress& progress, bool& converged) {
   SimulationRequest request;
   request.scene = &prepared.scene;
   request.seed = seed;
   for (const Observation& o : block.observables)
     if (o.kind == ObservableKind::series && o.body.empty()) request.series.push_back(o.name);
   const HistoryRun made = run_history(*prepared.backend, request, options.allow_unsupported, progress);
+  converged = made.history.converged;
   const std::vector<double> times = sample_times(block.sensor.rate, prepared.scene.duration);
   std::vector<Observation> result;
   for (Observation o : block.observables) {
@@ -83,9 +92,10 @@ std::vector<Observation> observe_run(const Prepared& prepared, const RecordBlock
   return result;
 }
 
-BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
-                     const Options& options, std::uint64_t seed, const TellProgress& progress) {
-  BundleRun run;
+Recorded record_run(const Scene& scene, const Prepared& prepared, const RecordBlock& block, const RecordedRun& wanted,
+                    const Options& options, std::uint64_t seed, const TellProgress& progress) {
+  Recorded recorded;
+  BundleRun& run = recorded.run;
   run.id = wanted.id;
   run.set = wanted.set;
   run.free = block.free;
@@ -97,17 +107,15 @@ BundleRun record_run(const Scene& scene, const Prepared& prepared, const RecordB
                  layer->bed->at_rest ? "layer.rest" : "layer.settle");
     run.observations = observe_layer(*layer, block);
   } else {
-    run.observations = observe_run(prepared, block, options, seed, progress);
+    run.observations = observe_run(prepared, block, options, seed, progress, recorded.converged);
   }
   for (std::size_t i = 0; i < run.observations.size(); ++i) {
     Observation& o = run.observations[i];
-    if (o.kind != ObservableKind::scalar) {
-      Random random(options.seed, 1000 * seed + i);
-      disturb(block.sensor, random, o);
-      o.file = file_name(run.id, o, block.observables);
-    }
+    Random random(options.seed, 1000 * seed + i);
+    disturb(block.sensor, random, o);
+    if (o.kind != ObservableKind::scalar) o.file = file_name(run.id, o, block.observables);
   }
-  return run;
+  return recorded;
 }
 
 /// How far all runs are, which several threads tell.
@@ -131,13 +139,13 @@ class RecordingProgress {
 };
 
 /// Runs side by side: each has the threads that are left for it.
-void record_runs(const RecordBlock& block, const Options& options, Bundle& bundle) {
+std::vector<Recorded> record_runs(const RecordBlock& block, const Options& options) {
   const std::size_t count = block.runs.size();
   const int at_once = std::clamp(static_cast<int>(count), 1, options.threads);
   Options of_one = options;
   of_one.threads = options.threads / at_once;
   RecordingProgress progress(options, count);
-  bundle.runs.resize(count);
+  std::vector<Recorded> recorded(count);
   side_by_side(count, at_once, [&](std::size_t i) {
     std::vector<Override> changes = options.overrides;
     changes.insert(changes.end(), block.conceal.begin(), block.conceal.end());
@@ -149,11 +157,12 @@ void record_runs(const RecordBlock& block, const Options& options, Bundle& bundl
     solve_closely(prepared);
     const std::string text = "recording " + block.runs[i].id;
     progress.tell(i, 0, text);
-    bundle.runs[i] = record_run(scene, prepared, block, block.runs[i], of_one, options.seed + i, [&](const Progress& now) {
+    recorded[i] = record_run(scene, prepared, block, block.runs[i], of_one, options.seed + i, [&](const Progress& now) {
       progress.tell(i, static_cast<double>(now.step) / static_cast<double>(std::max<std::int64_t>(1, now.steps)), text);
     });
     progress.tell(i, 1, text);
   });
+  return recorded;
 }
 
 int record(const Options& options) {
@@ -167,12 +176,25 @@ int record(const Options& options) {
   bundle.calibrate = block.calibrate;
   for (const auto& [name, sd] : block.sensor.noise)
     if (sd > 0) bundle.noise[name] = sd;
-  record_runs(block, options, bundle);
+  std::vector<std::string> rough;
+  try {
+    for (Recorded& recorded : record_runs(block, options)) {
+      if (!recorded.converged) rough.push_back(recorded.run.id);
+      bundle.runs.push_back(std::move(recorded.run));
+    }
+  } catch (const Error&) {
+    if (!interrupted()) throw;
+    fmt::print(stderr, "interrupted: a bundle is written when all its runs are there; nothing was\n");
+    return exit_status::interrupted;
+  }
   write_bundle(options.out, bundle);
   fmt::print("{} run{} of {} observable{}\n{}\n", bundle.runs.size(), bundle.runs.size() == 1 ? "" : "s",
              block.observables.size(), block.observables.size() == 1 ? "" : "s",
              (options.out / "recording.yaml").string());
-  return exit_status::done;
+  if (rough.empty()) return exit_status::done;
+  fmt::print(stderr, "repose record: fewer than {:.0f} % of the steps converged in {}: what was recorded is not what the scene says\n  use a smaller solver.time_step, or more "
+             "solver.max_iterations\n", 100 * least_converged, fmt::join(rough, ", "));
+  return exit_status::simulation;
 }
 
 }  // namespace
