@@ -155,9 +155,20 @@ int run(const Options& options, const Own& own) {
     ++simulations;
     return simulate(request);
   };
-  const diagnosis::Diagnosis found = diagnosis::diagnose(bundle, counted, how);
-
+  const auto found_before_the_end = [&]() -> std::optional<diagnosis::Diagnosis> {
+    try {
+      return diagnosis::diagnose(bundle, counted, how);
+    } catch (const Error&) {
+      if (!interrupted()) throw;
+      return std::nullopt;
+    }
+  }();
   store.save();
+  if (!found_before_the_end) {
+    display.message("interrupted before the nominal scene was fitted; the same command goes on from here");
+    return exit_status::interrupted;
+  }
+  const diagnosis::Diagnosis& found = *found_before_the_end;
   return finish(options, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own)), !found.interrupted, seconds_since(begun),
                 simulations, display);
 }

@@ -208,7 +208,11 @@ std::string verdict_in_words(const Diagnosis& d) {
 }
 
 std::string diagnosis_in_words(const Diagnosis& d) {
-  return (d.interrupted ? "Interrupted; this is what was found until then. " : "") + by_verdict(d);
+  std::string text = (d.interrupted ? "Interrupted; this is what was found until then. " : "") + by_verdict(d);
+  for (const auto& [name, share] : d.overstated)
+    text += fmt::format(" But {} differs by {} of the noise that the bundle states: what is smaller than that noise cannot be seen, and if it is not in SI units, nothing was tested.",
+                        name, three(share));
+  return text;
 }
 
 }  // namespace repose

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/combination.hpp"
@@ -44,6 +45,7 @@ class Diagnosing {
   }
 
   Diagnosis run() {
+    demand_candidates();
     demand_runnable();
     SearchOptions how;
     how.threads = options_.threads;
@@ -91,6 +93,18 @@ class Diagnosing {
       if (error > told_error)
         result_.notes.push_back(fmt::format("Solved as the scene says, with its step and integration, {} is wrong by {:.2g} of the noise; every hypothesis was "
                                             "solved to second order instead (solver.integration).", observable, error));
+  }
+
+  void demand_candidates() const {
+    if (options_.candidates.empty()) return;
+    std::set<std::string> known;
+    for (const EffectRow& row : effect_library())
+      if (row.site == EffectSite::numerics) known.insert(row.name);
+    for (const auto& terms : {possible_terms(problem_.bundle(), problem_.scale()), stated_terms(problem_.bundle(), problem_.scale())})
+      for (const Term& term : terms) known.insert(term.row->name);
+    for (const std::string& name : options_.candidates)
+      if (!known.contains(name))
+        throw Error("--candidates " + name, "the scene cannot take it, or it is calibrated or set by the runs already", "leave it out, or mend the bundle");
   }
 
   /// A nominal scene that cannot be run is for the user to mend: the reason is thrown.
@@ -181,6 +195,35 @@ class Diagnosing {
       result_.notes.push_back(fmt::format("Only a combination of {} is determined by these recordings, not each of them: give one of them to know the others.",
                                           fmt::join(names, ", ")));
     }
+  }
+
+  /// A noise that is stated in millimetres as if in metres hides everything.
+  void find_overstated_noise(const Fit& fit) {
+    constexpr double suspicious = 0.1;
+    std::map<std::string, std::pair<double, double>> squares;  // sum, count
+    for (const std::size_t run : fit.runs) {
+      const Eigen::VectorXd plain = problem_.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
+      for (const Channel& c : problem_.runs()[run].channels) {
+        if (plain.size() == 0) continue;
+        squares[c.observable].first += plain.segment(c.first, static_cast<Eigen::Index>(c.time.size())).squaredNorm();
+        squares[c.observable].second += static_cast<double>(c.time.size());
+      }
+    }
+    for (const auto& [name, square] : squares)
+      if (const double rms = std::sqrt(square.first / std::max(1.0, square.second)); rms < suspicious && problem_.bundle().noise.contains(name))
+        result_.overstated[name] = rms;
+  }
+
+  /// Runs that a model cannot even simulate count as off by the most.
+  void note_failures() {
+    std::vector<std::size_t> asked{0};
+    if (result_.best != 0) asked.push_back(result_.best);
+    for (const std::size_t m : asked)
+      for (const Fit* fit : {&result_.models[m].fit, &result_.models[m].held_fit})
+        for (std::size_t i = 0; i < fit->residual.size(); ++i)
+          if (fit->residual[i].size() == 0)
+            result_.notes.push_back(fmt::format("Run {} cannot be simulated as {} was fitted: every sample of it counts as wrong.", result_.run_ids[fit->runs[i]],
+                                                m == 0 ? "the nominal scene" : result_.models[m].hypothesis.label()));
   }
 
   void note_quarter_turn(const FittedHypothesis& model) {
@@ -283,6 +326,8 @@ class Diagnosing {
     FittedHypothesis& nominal = result_.models.front();
     nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
     if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted && best.fit.layout.numerics.backend.empty(), options_.seed, fit_options_);
+    note_failures();
+    find_overstated_noise(best.fit);
     note_combinations(best);
     note_quarter_turn(best);
     note_numerics(search.base(), best.fit.layout.numerics);
@@ -301,6 +346,7 @@ class Diagnosing {
   bool by_chance(Search& search) {
     const Fit& held = result_.models.front().held_fit;
     if (result_.verdict.best != 0 || held.runs.empty() || deviate_ >= beyond_chance || result_.interrupted) return false;
+    if (!std::isfinite(held.chi2)) return false;
     const double p = search.lack_in(held).p;
     if (p <= nothing_seen) return false;
     result_.held_out_p = p;
@@ -348,6 +394,7 @@ class Diagnosing {
         ++kept_;
         const Eigen::VectorXd a = problem_.plain_residual(plain.layout, run, plain.shared, plain.own[run]);
         const Eigen::VectorXd b = problem_.plain_residual(full.layout, run, full.shared, full.own[run]);
+        if (a.size() == 0 || b.size() == 0) continue;  // it cannot be simulated so
         for (const Channel& c : problem_.runs()[run].channels) {
           const auto n = static_cast<Eigen::Index>(c.time.size());
           if (n == 0) continue;

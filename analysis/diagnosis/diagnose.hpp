@@ -79,6 +79,7 @@ struct Diagnosis {
   std::vector<ResidualSample> residuals;  ///< of at most six runs
   std::string extended_scene;             ///< YAML
   std::map<std::string, NoiseModel> noise;
+  std::map<std::string, double> overstated;  ///< observables that differ from the best model by less than a tenth of the noise which the bundle states: the share
   std::vector<std::string> notes;         ///< subsets, splits, horizons: what was done and what was left out
   std::size_t simulations = 0;
   bool interrupted = false;               ///< stages after the interruption are missing

@@ -68,6 +68,15 @@ TermParameters of_measurement(const EffectRow& row, const NaturalScale& scale, c
   return result;
 }
 
+/// Is a key, or a part of it, calibrated, or set by a run for itself?
+bool is_free_or_per_run(const Bundle& bundle, const std::string& key) {
+  const auto touches = [&](const std::string& other) { return key == other || key.starts_with(other + ".") || other.starts_with(key + "."); };
+  return std::any_of(bundle.calibrate.begin(), bundle.calibrate.end(), touches) ||
+         std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
+           return std::any_of(run.set.begin(), run.set.end(), [&](const Override& o) { return touches(o.path); });
+         });
+}
+
 }  // namespace
 
 std::vector<std::string> Hypothesis::names() const {
@@ -128,7 +137,8 @@ void put_terms(YamlNode& tree, const Hypothesis& hypothesis, const NaturalScale&
   }
 }
 
-std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::string>& calibrated, const NaturalScale& scale) {
+std::vector<Term> possible_terms(const Bundle& bundle, const NaturalScale& scale) {
+  const Scene& scene = bundle.scene;
   std::vector<Term> terms;
   const YamlNode tree = parse_yaml(scene.text, "scene");
   for (const EffectRow& row : effect_library()) {
@@ -144,8 +154,7 @@ std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::stri
         if (p.key.empty()) continue;
         const std::string key = key_at(p, place);
         const YamlNode* present = node_at(tree, key);
-        stated = stated || (present != nullptr && !(present->text == "0" || present->text == "0.0")) ||
-                 std::find(calibrated.begin(), calibrated.end(), key) != calibrated.end();
+        stated = stated || (present != nullptr && !(present->text == "0" || present->text == "0.0")) || is_free_or_per_run(bundle, key);
       }
       if (stated) continue;
       if (row.site != EffectSite::measurement) {
@@ -167,13 +176,6 @@ std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::stri
 std::vector<Term> stated_terms(const Bundle& bundle, const NaturalScale& scale) {
   std::vector<Term> terms;
   const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
-  const auto free_or_per_run = [&](const std::string& key) {
-    const auto touches = [&](const std::string& other) { return key == other || key.starts_with(other + "."); };
-    return std::any_of(bundle.calibrate.begin(), bundle.calibrate.end(), touches) ||
-           std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
-             return std::any_of(run.set.begin(), run.set.end(), [&](const Override& o) { return touches(o.path); });
-           });
-  };
   for (const EffectRow& row : effect_library()) {
     if (row.site == EffectSite::numerics || row.name == "wall_friction") continue;
     std::vector<std::string> places = places_of(row, bundle.scene);
@@ -185,7 +187,7 @@ std::vector<Term> stated_terms(const Bundle& bundle, const NaturalScale& scale) 
       for (const EffectParameter& p : row.parameters) {
         const YamlNode* node = p.key.empty() ? nullptr : node_at(tree, key_at(p, place));
         const bool number = node != nullptr && node->kind == YamlNode::Kind::scalar;
-        plain = plain && !p.key.empty() && p.components == 1 && (node == nullptr || number) && !free_or_per_run(key_at(p, place));
+        plain = plain && !p.key.empty() && p.components == 1 && (node == nullptr || number) && !is_free_or_per_run(bundle, key_at(p, place));
         const EffectBounds bounds = bounds_of(p, scale);
         double value = first_value(p, bounds);
         if (number) value = std::clamp(parse_quantity(node->text, p.dimension), bounds.lower, bounds.upper);

@@ -59,12 +59,12 @@ struct TermParameters {
 };
 TermParameters parameters_of(const Term& term, const NaturalScale& scale, const std::vector<Observation>& observations);
 
-/// Every effect of the library that the scene does not have yet and that can be set in it: one term per place.
-/// `calibrated` keys are free already, so that they explain nothing new.
-std::vector<Term> possible_terms(const Scene& scene, const std::vector<std::string>& calibrated, const NaturalScale& scale);
+/// Every effect of the library that the scene does not have yet and that can be set in it: one term per place. What is calibrated is free already and
+/// explains nothing new; for what a run sets for itself no one value could take its place.
+std::vector<Term> possible_terms(const Bundle& bundle, const NaturalScale& scale);
 
 /// The constants that the scene states without having them calibrated: contact laws and effects of plain numbers. What a run sets
-/// for itself is not among them, for no one value could take its place.
+/// for itself is not among them.
 std::vector<Term> stated_terms(const Bundle& bundle, const NaturalScale& scale);
 
 /// Sets the terms' keys in a scene tree to their nominal or start values; parameters are set over these. What the scene states stays.

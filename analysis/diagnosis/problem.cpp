@@ -20,7 +20,6 @@ namespace {
 
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
 constexpr double periods_seen = 1.5;     // in the longest recording, of what is called periodic
-constexpr double largest_residual = 1e6;  // of the noise
 
 Values starts(const std::vector<Parameter>& parameters) {
   Values v(static_cast<Eigen::Index>(parameters.size()));

@@ -19,6 +19,9 @@ namespace repose::diagnosis {
 /// Of the scene's step: recordings may themselves be simulated, by a maker who took a finer step but no exact one.
 inline constexpr double step_of_makers = 0.25;
 
+/// A sample counts as off by no more, in units of the noise; one that cannot be simulated as off by this.
+inline constexpr double largest_residual = 1e6;
+
 /// What is compared of one run.
 struct RunData {
   const BundleRun* run = nullptr;

@@ -7,12 +7,6 @@
 #include "analysis/two_samples.hpp"
 
 namespace repose::diagnosis {
-namespace {
-
-constexpr double of_a_failure = 1e3;  // sigma, of every sample of a run whose simulation fails
-
-}  // namespace
-
 Score score_of(const Problem& problem, const Fit& fit) {
   Score score;
   score.runs = fit.runs;
@@ -21,7 +15,7 @@ Score score_of(const Problem& problem, const Fit& fit) {
     const std::size_t run = fit.runs[i];
     const Eigen::VectorXd plain = problem.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
     if (plain.size() == 0) {  // the model cannot even be run there
-      const Eigen::VectorXd lost = Eigen::VectorXd::Constant(problem.runs()[run].size, of_a_failure);
+      const Eigen::VectorXd lost = Eigen::VectorXd::Constant(problem.runs()[run].size, largest_residual);
       score.per_run.push_back(gaussian_log_likelihood(lost, 1));
       score.log_likelihood += score.per_run.back();
       continue;

@@ -8,6 +8,7 @@
 
 #include "analysis/diagnosis/verdict.hpp"
 #include "analysis/side_by_side.hpp"
+#include "core/error.hpp"
 
 namespace repose::diagnosis {
 namespace {
@@ -104,17 +105,27 @@ bool Search::wanted(const Term& term) const {
 /// Steps 4 and 5 about any fit.
 LackOfFit Search::lack_in(const Fit& fit) {
   LackOfFit lack;
+  if (stopped()) return lack;
   // Where the path jumps with the step, slopes tell nothing of what is left, but its size does.
   if (!fit.layout.numerics.backend.empty() && leaves_noise(fit)) return lack;
   const Nuisance nuisance(problem_, fit);
   std::vector<Term> terms;
-  for (const Term& term : possible_terms(problem_.bundle().scene, problem_.bundle().calibrate, problem_.scale()))
+  for (const Term& term : possible_terms(problem_.bundle(), problem_.scale()))
     if (!holds(fit.layout.hypothesis, term) && wanted(term)) terms.push_back(term);
   lack.screened = screen_about(fit, nuisance, terms);
-  for (const Screened& s : lack.screened) lack.deviate = std::max(lack.deviate, s.deviate);
-  lack.p_effects = null_of(probes_of(lack.screened), nuisance.size(), options_.replicas, options_.seed).p(lack.deviate);
+  const std::vector<Probe> probes = probes_of(lack.screened);
+  if (!probes.empty()) {  // what does nothing to these recordings tests nothing
+    lack.deviate = -std::numeric_limits<double>::infinity();
+    for (const Screened& s : lack.screened) lack.deviate = std::max(lack.deviate, s.deviate);
+    lack.p_effects = null_of(probes, nuisance.size(), options_.replicas, options_.seed).p(lack.deviate);
+  }
   tell("locating the mismatch", 0, 1);
-  lack.places = locate(problem_, fit, nuisance, options_.located_runs, options_.replicas, options_.seed);
+  try {
+    lack.places = locate(problem_, fit, nuisance, options_.located_runs, options_.replicas, options_.seed);
+  } catch (const Error&) {
+    if (!stopped()) throw;
+    return {};
+  }
   const double p_where = lack.places.pieces.empty() ? 1 : lack.places.pieces.front().p;
   for (const Located& l : lack.places.pieces) lack.deviate = std::max(lack.deviate, l.deviate);
   lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));

@@ -138,6 +138,7 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
         if (is("angular_velocity") && seen.orientation)
           add("angular_velocity", Parameter::Use::scene, k, turn.slope, sd("orientation") * turn.slope_se, seen.spin);
         // Seen through a series only: from where the scene starts.
+        if (is("position") && observed == nullptr) add("position", Parameter::Use::scene, k, body.position[k], 1e-3);
         if (is("velocity") && observed == nullptr) add("velocity", Parameter::Use::scene, k, body.velocity[k], 0.02);
       }
     }

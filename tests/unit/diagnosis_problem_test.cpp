@@ -167,6 +167,23 @@ TEST(CalibratedConstant, HasTheLibrarysBoundsOrThoseAboutItsValue) {
   EXPECT_THROW(calibrated_constant("bodies.ball.mass", scene, scale), Error);
 }
 
+TEST(StartValues, OfABodySeenThroughASeriesBeginWhereTheSceneStartsIt) {
+  Bundle bundle = flights({});
+  BundleRun& run = bundle.runs[0];
+  run.free = {"bodies.ball.position.2"};
+  Observation height;
+  height.kind = ObservableKind::series;
+  height.name = "height";
+  height.body = "ball";
+  run.observations = {height};
+  const std::vector<Parameter> start = start_values(run, parse_yaml(bundle.scene.text, "scene"), {});
+  ASSERT_EQ(start.size(), 1u);
+  EXPECT_EQ(start[0].key, "bodies.ball.position");
+  EXPECT_EQ(start[0].component, 2);
+  EXPECT_EQ(start[0].start, 10);
+  EXPECT_GT(start[0].step, 0);
+}
+
 TEST(StartValues, OfAnAxisThatWasNotObservedAreNotFree) {
   Bundle bundle = flights({});
   for (Vec3& x : bundle.runs[0].observations[0].position) x.y() = NAN;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 
@@ -312,6 +314,68 @@ TEST(Diagnosis, AnInterruptionKeepsWhatWasFound) {
   EXPECT_TRUE(d.interrupted);
   EXPECT_FALSE(d.models.empty());
   EXPECT_GT(store.size(), 100u);
+}
+
+// As the commands do it: the simulation that is interrupted throws.
+TEST(Diagnosis, AnInterruptionWhereverItComesIsNoFailure) {
+  const Bundle bundle = flights(six(7, drag));
+  for (const int after : {200, 800, 1500, 3000}) {
+    std::atomic<int> calls{0};
+    const auto over = [&] { return calls > after; };
+    const Simulate interruptible = [&](const SimulationRequest& request) {
+      ++calls;
+      if (over()) throw Error("", "interrupted", "", Error::Kind::simulation);
+      return fly(request);
+    };
+    DiagnoseOptions options = quick();
+    options.interrupted = over;
+    EXPECT_TRUE(diagnose(bundle, interruptible, options).interrupted) << after;
+  }
+}
+
+// A value that suits the fitted runs may be impossible in one that was held out.
+TEST(Diagnosis, ARunThatCannotBeSimulatedAsFittedCountsAgainstTheFit) {
+  Bundle bundle = flights(six(9, drag));
+  bundle.split_given = true;
+  bundle.runs[5].held_out = bundle.runs[4].held_out = true;
+  const Simulate partly = [](const SimulationRequest& request) {
+    const bool held = request.scene->bodies[0].velocity.norm() < 1.5;  // the fifth flight
+    if (held && !request.scene->effects.empty()) throw Error("scene", "cannot run", "", Error::Kind::simulation);
+    return fly(request);
+  };
+  const Diagnosis d = diagnose(bundle, partly, quick());
+  EXPECT_NE(d.verdict.word, "missing");
+  EXPECT_TRUE(std::all_of(d.residuals.begin(), d.residuals.end(), [](const ResidualSample& s) { return s.nominal.size() == s.time.size() && s.extended.size() == s.time.size(); }));
+}
+
+TEST(Diagnosis, CandidatesThatDoNothingToTheRecordingsAlarmNobody) {
+  DiagnoseOptions options = quick();
+  options.candidates = {"friction"};  // nothing touches
+  for (std::uint64_t seed = 1; seed < 6; ++seed) {
+    const Diagnosis d = diagnose(flights(six(seed, "{}")), fly, options);
+    EXPECT_EQ(d.verdict.word, "none") << seed;
+    EXPECT_GT(d.lack_of_fit_p, 0.01) << seed;
+  }
+  options.candidates = {"moving_wall_speed"};
+  EXPECT_THROW(diagnose(flights(six(1, "{}")), fly, options), Error);
+}
+
+TEST(Diagnosis, WhatRunsSetForThemselvesIsNoCandidate) {
+  Bundle bundle = flights(six(1, "{}"));
+  bundle.runs[0].set.push_back({"effects.linear_drag.viscosity", "1.0e-3"});
+  const std::vector<Term> terms = possible_terms(bundle, natural_scale(realise(bundle.scene, 1)));
+  EXPECT_TRUE(std::none_of(terms.begin(), terms.end(), [](const Term& t) { return t.row->name == "linear_drag"; }));
+  EXPECT_TRUE(std::any_of(terms.begin(), terms.end(), [](const Term& t) { return t.row->name == "quadratic_drag"; }));
+}
+
+TEST(Diagnosis, SaysWhereTheStatedNoiseHidesEverything) {
+  Bundle bundle = flights(six(1, drag));
+  bundle.noise["position"] = 1;  // a millimetre was meant
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  ASSERT_TRUE(d.overstated.contains("position"));
+  EXPECT_LT(d.overstated.at("position"), 0.05);
+  bundle.noise["position"] = 1e-3;
+  EXPECT_TRUE(diagnose(bundle, fly, quick()).overstated.empty());
 }
 
 TEST(Diagnosis, ANominalSceneThatCannotRunIsTheUsersToMend) {
