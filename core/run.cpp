@@ -86,7 +86,7 @@ class RemainingTime {
 
 /// The sums behind the means of a RunReport.
 struct Tally {
-  std::int64_t steps = 0, contacts = 0, iterations = 0, converged = 0, cycling = 0;
+  std::int64_t steps = 0, contacts = 0, iterations = 0, converged = 0, converged_contacts = 0, cycling = 0;
   double residual_max = 0, penetration_max = 0;
 
   void add(const StepReport& r) {
@@ -94,6 +94,7 @@ struct Tally {
     contacts += r.contacts;
     iterations += r.iterations;
     converged += r.converged;
+    converged_contacts += r.converged ? r.contacts : 0;
     cycling += r.cycling;
     residual_max = std::max(residual_max, r.residual);
     penetration_max = std::max(penetration_max, r.penetration);
@@ -107,6 +108,7 @@ struct Tally {
     out.contacts_mean = static_cast<double>(contacts) / n;
     out.iterations_mean = static_cast<double>(iterations) / n;
     out.converged_fraction = static_cast<double>(converged) / n;
+    if (contacts > 0) out.converged_contacts = static_cast<double>(converged_contacts) / static_cast<double>(contacts);
     out.cycling_fraction = static_cast<double>(cycling) / n;
   }
 };

@@ -35,7 +35,8 @@ struct RunReport {
   double contacts_mean = 0;
   double iterations_mean = 0;
   double residual_max = 0;
-  double converged_fraction = 1;
+  double converged_fraction = 1; ///< of the steps
+  double converged_contacts = 1; ///< of the contacts of all steps together, the share that was in converged steps
   double cycling_fraction = 0;
   double max_penetration = 0;    ///< [m], over all steps
   Snapshot final_state;

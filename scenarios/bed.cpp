@@ -36,7 +36,7 @@ Bed read_bed(const std::filesystem::path& file, const Model& model) {
   bed.time = figures[1];
   bed.wall_s = figures[2];
   bed.speed_rms = figures[3];
-  bed.converged_fraction = figures[4];
+  bed.converged_contacts = figures[4];
   bed.residual_max = figures[5];
   return bed;
 }
@@ -86,7 +86,7 @@ std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, co
     Hdf5Writer out(Hdf5Writer::Packing::compressed);
     write_snapshot<double>(out, "/state", report.final_state);
     out.write("/figures", std::vector<double>{bed_rests(prepared.model, report.final_state) ? 1.0 : 0.0, report.final_state.time, report.wall_s, speed,
-                                              report.converged_fraction, report.residual_max});
+                                              report.converged_contacts, report.residual_max});
     write_atomically(file, out.bytes());
   }
   Bed bed = read_bed(file, prepared.model);

@@ -14,7 +14,8 @@ struct Bed {
   double time = 0;         ///< simulated [s]
   double wall_s = 0;       ///< that making it took, then [s]
   double speed_rms = 0;    ///< of the grains, in sqrt(g d)
-  double converged_fraction = 1, residual_max = 0;
+  double converged_contacts = 1;  ///< see RunReport: steps in mid-air, where few grains touch, say little of the packing
+  double residual_max = 0;
   std::filesystem::path folder;
 };
 

@@ -80,9 +80,9 @@ void warn_of_motion(const LayerMeasurement& m) {
 
 /// A bed is kept however well its steps converged, so this is told whenever it is used.
 int bed_status(const Bed& bed) {
-  if (bed.converged_fraction >= least_converged) return exit_status::done;
-  fmt::print(stderr, "the solver converged in {:.1f} % of the steps of the bed only (95 % are asked for; largest residual {:.2g})\n"
-             "  make layer.settle_time_step smaller or solver.max_iterations larger\n", 100 * bed.converged_fraction, bed.residual_max);
+  if (bed.converged_contacts >= least_converged) return exit_status::done;
+  fmt::print(stderr, "the solver converged for {:.1f} % of the contacts of the settling bed only (95 % are asked for; largest residual {:.2g})\n"
+             "  make layer.settle_time_step smaller or solver.max_iterations larger\n", 100 * bed.converged_contacts, bed.residual_max);
   return exit_status::simulation;
 }
 

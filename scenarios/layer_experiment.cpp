@@ -40,7 +40,7 @@ json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
   o["grains_moved_in"] = m.moved_in;
   o["grains_below_plate"] = m.lost;
   o["at_rest"] = layer.bed->at_rest && m.at_rest ? 1 : 0;
-  o["bed_converged_fraction"] = layer.bed->converged_fraction;
+  o["bed_converged_contacts"] = layer.bed->converged_contacts;
   o["converged_fraction"] = report.converged_fraction;
   o["iterations_mean"] = report.iterations_mean;
   o["residual_max"] = report.residual_max;

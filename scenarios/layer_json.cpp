@@ -95,7 +95,7 @@ json layer_json(const LayerMeasurement& m, const LayerSetup& setup, const Spread
   out["at_rest"] = m.at_rest;
   out["speed_rms"] = m.speed_rms;
   out["bed"] = {{"folder", bed.folder.string()}, {"at_rest", bed.at_rest},       {"time", bed.time},
-                {"speed_rms", bed.speed_rms},    {"residual_max", bed.residual_max}, {"converged_fraction", bed.converged_fraction}};
+                {"speed_rms", bed.speed_rms},    {"residual_max", bed.residual_max}, {"converged_contacts", bed.converged_contacts}};
   out["bed_wall_s"] = bed.wall_s;
   out["mass"] = {{"all", m.mass}, {"region_before", m.mass_in_region_before}, {"region_after", m.mass_in_region_after},
                  {"grains_moved_in", m.moved_in}, {"grains_below_plate", m.lost}};

@@ -308,8 +308,8 @@ report::Report layer_report(const LayerReportInput& in) {
   if (!in.bed.at_rest) warnings.items.push_back("the bed was not at rest when the spreader started: make layer.settle longer");
   if (!m.at_rest)
     warnings.items.push_back(fmt::format("the grains were not at rest when the surface after was measured (root mean square speed {:.2g} √(g d)): make layer.rest longer", m.speed_rms));
-  if (in.bed.converged_fraction < least_converged)
-    warnings.items.push_back(fmt::format("the solver converged in {:.1f} % of the steps of the bed only: make layer.settle_time_step smaller", 100 * in.bed.converged_fraction));
+  if (in.bed.converged_contacts < least_converged)
+    warnings.items.push_back(fmt::format("the solver converged for {:.1f} % of the contacts of the settling bed only: make layer.settle_time_step smaller", 100 * in.bed.converged_contacts));
   if (m.lost > 0) warnings.items.push_back(fmt::format("{} grains lie below the plate", m.lost));
   for (const Finding& f : in.prepared.findings) warnings.items.push_back(f.place + ": " + f.message);
   for (const std::string& name : in.prepared.unsupported) warnings.items.push_back("left out, the backend cannot do it: " + name);

@@ -42,7 +42,7 @@ LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& opti
     if (report) {
       const bool rests = bed_rests(prepared.model, report->final_state);
       bed = std::make_shared<SettledBed>(
-          SettledBed{std::move(prepared.model), report->final_state, report->wall_s, report->converged_fraction, report->residual_max, rests});
+          SettledBed{std::move(prepared.model), report->final_state, report->wall_s, report->converged_contacts, report->residual_max, rests});
     }
     promise.set_value(std::move(bed));
   } catch (...) {
@@ -62,7 +62,7 @@ std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed
   SpreadLayer layer;
   layer.bed = bed_of(scene, options);
   if (!layer.bed) return std::nullopt;
-  demand_converged(layer.bed->converged_fraction, layer.bed->residual_max, "the steps of the bed",
+  demand_converged(layer.bed->converged_contacts, layer.bed->residual_max, "the contacts of the settling bed",
                    "make layer.settle_time_step smaller or solver.max_iterations larger");
   layer.spreading = over_the_bed(scene, layer.bed->model, layer.bed->state, options);
   const Prepared& p = layer.spreading.prepared;

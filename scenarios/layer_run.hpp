@@ -19,7 +19,7 @@ struct SettledBed {
   Model model;
   Snapshot state;
   double wall_s = 0;
-  double converged_fraction = 1, residual_max = 0;
+  double converged_contacts = 1, residual_max = 0;
   bool at_rest = false;  ///< else the time that `settle` gives ran out
 };
 

@@ -189,7 +189,7 @@ void write_result(const std::filesystem::path& file, const std::string& json) {
 
 void demand_converged(double converged_fraction, double residual_max, const std::string& steps, const std::string& remedy) {
   if (converged_fraction >= least_converged) return;
-  throw Error("", fmt::format("the solver converged in {:.1f} % of {} only (95 % are asked for; largest residual {:.2g})", 100 * converged_fraction, steps, residual_max),
+  throw Error("", fmt::format("the solver converged for {:.1f} % of {} only (95 % are asked for; largest residual {:.2g})", 100 * converged_fraction, steps, residual_max),
               remedy, Error::Kind::simulation);
 }
 

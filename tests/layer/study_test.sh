@@ -59,4 +59,4 @@ grep -q 'layer.gap: the spreader would cut into the plate' "$work/log" || fail '
 small 'solver.max_iterations: 2' '60 um'
 [ "$status" = 3 ] || fail "exit status $status instead of 3: steps that do not converge"
 grep -q '"failed": 1' "$work/small/study.json" || fail 'a run that did not converge counts as a result'
-grep -q 'converged in .* of the steps of the bed only' "$work/log" || fail 'nothing tells what did not converge'
+grep -q 'converged for .* of the contacts of the settling bed only' "$work/log" || fail 'nothing tells what did not converge'
