@@ -70,6 +70,12 @@ EffectRow in_effects(const std::string& name, EffectSite site, const std::string
   return row;
 }
 
+/// The row of a law that has a plainer one for its limit.
+EffectRow becoming(const std::string& limit, EffectRow row) {
+  row.limit = limit;
+  return row;
+}
+
 /// One key of the law of a pair.
 EffectRow in_pairs(const std::string& name, const std::string& key, const std::string& claim, const std::string& moves,
                    EffectParameter p) {
@@ -111,9 +117,9 @@ std::vector<EffectRow> on_bodies() {
       in_effects("quadratic_drag", body, "A still fluid resists with the square of speed.",
                  "fast flight, range, terminal speed",
                  {logarithmic(parameter("coefficient", dimension::none, {1e-3, 0, 1e3})), fluid_density()}),
-      in_effects("finite_reynolds_drag", body,
-                 "A still fluid resists by Stokes' law with the correction for finite Reynolds numbers.",
-                 "speed, terminal speed, decay of spin", {viscosity(), fluid_density()}),
+      becoming("linear_drag", in_effects("finite_reynolds_drag", body,
+                                         "A still fluid resists by Stokes' law with the correction for finite Reynolds numbers.",
+                                         "speed, terminal speed, decay of spin", {viscosity(), fluid_density()})),
       in_effects("magnus", body, "A spinning body in a fluid is pushed across its path.",
                  "curved flight in proportion to spin and speed",
                  {parameter("lift", dimension::none, {-10, 0, 10}), fluid_density()}),

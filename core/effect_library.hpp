@@ -49,6 +49,7 @@ struct EffectRow {
   std::string moves;  ///< the observables that show it
   std::vector<EffectParameter> parameters;
   std::vector<std::string> keys;  ///< of the scene, those of the parameters or, without any, those that replace them
+  std::string limit = {};  ///< the plainer effect that it becomes at one end of what it describes; empty: none
 };
 
 /// All rows, in a fixed order: bodies, contacts, set-up, measurement, numerics.

@@ -188,6 +188,7 @@ class BulkDiagnosing {
       Evidence e;
       e.effects = m.candidate.hypothesis.names();
       for (const Term& term : m.candidate.hypothesis.terms) e.sites.push_back(term.row->site);
+      e.general = static_cast<int>(std::count_if(m.candidate.hypothesis.terms.begin(), m.candidate.hypothesis.terms.end(), [](const Term& t) { return !t.row->limit.empty(); }));
       // Calibrated constants are the nominal's own.
       for (const Parameter& p : m.candidate.parameters) e.parameters += !p.effect.empty();
       e.held_out = held ? m.posterior.held_log_likelihood : m.posterior.best_log_likelihood;

@@ -299,6 +299,7 @@ class Diagnosing {
       Evidence e;
       e.effects = m.hypothesis.names();
       for (const Term& term : m.hypothesis.terms) e.sites.push_back(term.row->site);
+      e.general = static_cast<int>(std::count_if(m.hypothesis.terms.begin(), m.hypothesis.terms.end(), [](const Term& t) { return !t.row->limit.empty(); }));
       e.held_out = m.predicted;
       e.per_run = m.held_out.per_run;
       e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;

@@ -86,7 +86,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   std::vector<double> score;
   const auto worth = [&](const Evidence& e, double temper) {
     return (e.held_out - evidence[0].held_out) / temper - cost_of_parameter * e.parameters -
-           cost_of_effect * static_cast<double>(effects_of(e)) - cost_of_stated * e.stated;
+           cost_of_effect * static_cast<double>(effects_of(e)) - cost_of_generality * e.general - cost_of_stated * e.stated;
   };
   const auto temper_of = [&](const Evidence& e) { return std::max(1.0, e.lack_of_fit * e.lack_of_fit); };
   double temper = 1;

@@ -16,6 +16,7 @@ struct Evidence {
   double train_gain = 0;              ///< over the nominal: twice the log likelihood ratio
   int parameters = 0;                 ///< beyond the nominal's
   int form_parameters = 0;            ///< that shape one run: those of a single run counted once
+  int general = 0;                    ///< effects that have a plainer one for their limit
   int stated = 0;                     ///< effects that contradict a constant of the scene
   std::string solved;                 ///< physics beside numerics that are not the nominal's: these, by the name of their effect; as good as one effect more
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
@@ -38,6 +39,8 @@ struct Verdict {
 
 /// Nats that one more parameter costs, and one more effect.
 inline constexpr double cost_of_parameter = 1.0, cost_of_effect = 2.0;
+/// Nats that a law costs where its plain limit would do as well: what shows nothing beyond the limit is called by the limit's name.
+inline constexpr double cost_of_generality = 0.5;
 /// Nats that it costs, besides, to say that a constant which the scene states is wrong: whoever wrote it had a reason. And the share of what was left
 /// over that it must explain.
 inline constexpr double cost_of_stated = 5.0, least_explained_by_stated = 0.9;

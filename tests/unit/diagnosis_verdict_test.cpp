@@ -43,6 +43,16 @@ TEST(Verdict, NamesWhatTheHeldOutRunsSpeakFor) {
   expect_sums_to_one(v);
 }
 
+TEST(Verdict, CallsALawByItsPlainLimitWhereNothingBeyondItIsSeen) {
+  Evidence general = model({"finite_reynolds_drag"}, -99.8);
+  general.general = 1;
+  const Verdict alike = judge({model({}, -500, 3), general, model({"linear_drag"}, -100)}, 0.002, 0.5);
+  EXPECT_EQ(alike.word, "ambiguous");
+  EXPECT_EQ(alike.best, 2);
+  general.held_out = -95;
+  EXPECT_EQ(judge({model({}, -500, 3), general, model({"linear_drag"}, -100)}, 0.002, 0.5).best, 1) << "what is seen beyond it decides";
+}
+
 TEST(Verdict, IsNoneWithoutALackOfFitWhateverFitsBetter) {
   const Verdict v = judge({model({}, -110), model({"quadratic_drag"}, -100)}, 0.3, 1);
   EXPECT_EQ(v.word, "none");
