@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "analysis/render/height_picture.hpp"
@@ -115,9 +116,10 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   const int status = std::max(report_status(report, options), bed_status(*bed));
   if (report.end == RunReport::End::interrupted) return status;
 
-  // Before the frames are read back: the peak memory in it is that of the simulation.
-  nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("layer", prepared, options, report));
-  const Recording recording = read_recording(options.out / "run.h5");
+  // The report draws the frame in which the spreader is over the middle of the region; all frames may be larger than what simulated them.
+  const double over_the_middle = (0.5 * (setup.lower.x() + setup.upper.x()) - path.from) / setup.speed;
+  const int every = std::max(1, static_cast<int>(std::lround(over_the_middle / prepared.scene.frame_interval)));
+  const Recording recording = read_recording(options.out / "run.h5", every);
   const LayerMeasurement layer =
       measure_layer(setup, prepared.model, prepared.model.initial, report.final_state, recording.steps, path.lowest, path.from);
   write_vdb(options.out / "surface.vdb", {{"before", layer.before.grid}, {"after", layer.after.grid}});
@@ -125,6 +127,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   write_atomically(options.out / "surface.png", picture);
   write_atomically(options.out / "report.html",
                    report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture, draw_thickness(layer, setup.square)})));
+  nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("layer", prepared, options, report));  // last: its peak memory is that of all
   result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
   write_result(options.out / "result.json", result.dump(2));
   tell(layer, scene, path, *bed, report, options);
