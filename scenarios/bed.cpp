@@ -43,10 +43,10 @@ Bed read_bed(const std::filesystem::path& file, const Model& model) {
 
 }  // namespace
 
-double speed_of_grains(const Model& model, const Snapshot& state) {
+double speed_of_grains(const Model& model, const Snapshot& state, double plate) {
   double squares = 0, n = 0;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    if (model.bodies[i].role != BodyRole::grain) continue;
+    if (model.bodies[i].role != BodyRole::grain || state.position[i].z() < plate) continue;
     squares += state.velocity[i].squaredNorm();
     n += 1;
   }
@@ -54,11 +54,11 @@ double speed_of_grains(const Model& model, const Snapshot& state) {
   return n > 0 && scale > 0 ? std::sqrt(squares / n / scale) : 0;
 }
 
-bool grains_rest(const Model& model, const Snapshot& state) { return speed_of_grains(model, state) < resting; }
+bool grains_rest(const Model& model, const Snapshot& state, double plate) { return speed_of_grains(model, state, plate) < resting; }
 
-bool bed_rests(const Model& model, const Snapshot& state) {
+bool bed_rests(const Model& model, const Snapshot& state, double plate) {
   const double g = model.gravity.norm();
-  return grains_rest(model, state) && (g == 0 || state.time >= in_the_air * std::sqrt(mean_diameter(model) / g));
+  return grains_rest(model, state, plate) && (g == 0 || state.time >= in_the_air * std::sqrt(mean_diameter(model) / g));
 }
 
 std::string bed_key(const Prepared& bed, const Options& options) {
@@ -79,13 +79,14 @@ std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, co
   const bool there = std::filesystem::exists(file);
   if (!there) {
     own.resume = options.resume && std::filesystem::exists(own.out / "checkpoints");
-    const auto finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
+    const double plate = prepared.scene.layer->plate;
+    const auto finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state, plate); };
     const RunReport report = simulate(prepared, own, "bed.h5", finished);
     if (report.end == RunReport::End::interrupted) return std::nullopt;
-    const double speed = speed_of_grains(prepared.model, report.final_state);
+    const double speed = speed_of_grains(prepared.model, report.final_state, plate);
     Hdf5Writer out(Hdf5Writer::Packing::compressed);
     write_snapshot<double>(out, "/state", report.final_state);
-    out.write("/figures", std::vector<double>{bed_rests(prepared.model, report.final_state) ? 1.0 : 0.0, report.final_state.time, report.wall_s, speed,
+    out.write("/figures", std::vector<double>{bed_rests(prepared.model, report.final_state, plate) ? 1.0 : 0.0, report.final_state.time, report.wall_s, speed,
                                               report.converged_contacts, report.residual_max});
     write_atomically(file, out.bytes());
   }

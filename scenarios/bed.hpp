@@ -19,14 +19,14 @@ struct Bed {
   std::filesystem::path folder;
 };
 
-/// Root mean square speed of the grains in sqrt(g d), d their mean diameter; 0 without gravity.
-double speed_of_grains(const Model& model, const Snapshot& state);
+/// Root mean square speed of the grains in sqrt(g d), d their mean diameter; 0 without gravity. Those below `plate` [m] have fallen off it and do not count.
+double speed_of_grains(const Model& model, const Snapshot& state, double plate);
 
 /// At rest: that speed is below 0.01.
-bool grains_rest(const Model& model, const Snapshot& state);
+bool grains_rest(const Model& model, const Snapshot& state, double plate);
 
 /// Of grains that were let go at time 0: at rest, and 5 sqrt(d/g) have passed. Before, those that hang in the air have not gained speed.
-bool bed_rests(const Model& model, const Snapshot& state);
+bool bed_rests(const Model& model, const Snapshot& state, double plate);
 
 /// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times,
 /// backend and the build. Threads do not count.

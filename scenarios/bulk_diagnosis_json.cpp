@@ -131,7 +131,7 @@ json bulk_diagnosis_json(const BulkDiagnosis& d, const Bundle& bundle) {
 
 std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
   if (d.models.empty()) return "Interrupted before the nominal scene was simulated.";
-  if (d.interrupted && d.best == 0)
+  if (d.interrupted && d.models.size() == 1)
     return fmt::format("Interrupted: the nominal scene was simulated (lack of fit p = {:.2g}), no candidate was judged yet.", d.lack_of_fit_p);
   if (d.verdict.word == "none")
     return d.tested_dimensions > 0 ? fmt::format("Nothing is missing: the nominal scene explains what was recorded within the scatter of its packings (p = {:.2g}).", d.lack_of_fit_p)

@@ -79,6 +79,7 @@ json simulate_one(const Backend& backend, const Scene& scene, std::uint64_t seed
 std::optional<json> spread_one(LayerRuns& layers, const Scene& scene, std::uint64_t seed) {
   const std::optional<SpreadLayer> layer = layers.run(scene, seed);
   if (!layer) return std::nullopt;
+  demand_converged(*layer);
   json result;
   const History loads = loads_on_spreader(*layer);
   for (const auto& [name, values] : loads.series) result["series"].push_back({{"name", name}, {"unit", unit_of_load(name)}, {"value", values}});

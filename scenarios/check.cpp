@@ -60,6 +60,7 @@ void print_scene(const Scene& scene) {
                                   scene.solver.law == ContactLaw::exact ? "exact" : "relaxed",
                                   scene.solver.integration == Integration::second_order ? "second order" : "symplectic Euler", scene.solver.time_step,
                                   scene.solver.tolerance, scene.solver.max_iterations));
+  if (scene.layer) return;  // it has times of its own
   print_row("duration", fmt::format("{:.4g} s, {:.0f} steps, a frame every {:.4g} s", scene.duration,
                                     scene.duration / scene.solver.time_step, scene.frame_interval));
 }
@@ -151,8 +152,9 @@ int check(const Options& options) {
 
   const Model model = realise(scene, options.seed);
   if (!options.quiet) print_model(scene, model);
-  std::vector<Finding> findings = judged(scene, model, backend, options, {});
-  if (scene.layer) {  // what `repose layer` makes of it
+  std::vector<Finding> findings;
+  if (!scene.layer) findings = judged(scene, model, backend, options, {});
+  if (scene.layer) {  // what `repose layer` makes of it, which puts the spreader where it begins and has times of its own
     if (!options.quiet) print_layer(*scene.layer);
     for (const auto& [made, names] : {std::pair{bed_scene(scene), keys_of_bed()}, {spreading_above_all(scene), keys_of_spreading()}})
       add_missing(judged(made, realise(made, options.seed), backend, options, names), findings);

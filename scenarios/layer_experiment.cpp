@@ -88,6 +88,7 @@ std::optional<json> LayerExperiment::run(const Scene& scene, std::uint64_t seed)
   std::optional<SpreadLayer> layer;
   try {
     layer = runs_.run(scene, seed);
+    if (layer) demand_converged(*layer);
   } catch (const Error& e) {
     // What check() let pass is wrong over this bed alone, such as a spreader that would cut into a wall: a point that failed, not the study.
     throw Error(e.place(), e.problem(), e.remedy(), Error::Kind::simulation);

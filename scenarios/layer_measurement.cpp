@@ -86,8 +86,8 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
   LayerMeasurement m;
   m.before = measure_surface(layer, model, before);
   m.after = measure_surface(layer, model, after);
-  m.at_rest = grains_rest(model, after);
-  m.speed_rms = speed_of_grains(model, after);
+  m.at_rest = grains_rest(model, after, layer.plate);
+  m.speed_rms = speed_of_grains(model, after, layer.plate);
   std::vector<double> thickness;
   for (std::size_t k = 0; k < m.after.grid.height.size(); ++k)
     thickness.push_back(static_cast<double>(m.after.grid.height[k]) - m.before.grid.height[k]);

@@ -41,8 +41,8 @@ struct LayerMeasurement {
   bool at_rest = false;              ///< of the grains after; else the surface is that of grains which still move
   double speed_rms = 0;              ///< of them, in sqrt(g d)
   HeightFigures thickness;           ///< after minus before, cell by cell
-  double solid_per_area = 0;         ///< solid volume that came, per area [m]: a layer without pores; negative if more left. No packing of what came can
-                                     ///< be told: the spreader compacts the bed below as well
+  double solid_per_area = 0;         ///< solid volume that came, per area [m]; negative if more left. It may exceed the thickness, for the spreader compacts the
+                                     ///< bed below as well
   double passed = 0;                 ///< 99 % quantile of the heights after, against the lowest line of the spreader [m]
   SpreaderLoad load;
   double mass_in_region_before = 0, mass_in_region_after = 0, mass = 0;  ///< [kg]

@@ -260,7 +260,7 @@ Table bed_table(const LayerReportInput& in) {
   row("layer thickness, 5 % to 95 %", fmt::format("{:.1f} to {:.1f}", m.thickness.quantile[2] * um, m.thickness.quantile[6] * um), "µm", "");
   row("packing fraction before", packing(m.before.packing), "1", "solid share between plate and surface");
   row("packing fraction after", packing(m.after.packing), "1", "");
-  row("solid volume that came", fmt::format("{:.2f}", m.solid_per_area * um), "µm", "per area: the layer without its pores");
+  row("solid volume that came", fmt::format("{:.2f}", m.solid_per_area * um), "µm", "per area; may exceed the thickness, for the spreader compacts the bed below");
   row("pores, mean upright chord", fmt::format("{:.1f} → {:.1f}", m.before.packing.pore_mean * um, m.after.packing.pore_mean * um), "µm", "before → after");
   row("mass in the region", fmt::format("{:.4g} → {:.4g}", m.mass_in_region_before * 1e9, m.mass_in_region_after * 1e9), "µg",
       fmt::format("of {:.4g} µg in all", m.mass * 1e9));

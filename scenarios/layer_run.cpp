@@ -36,11 +36,11 @@ LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& opti
   if (!mine) return future.get();
   try {
     RunHooks hooks;
-    hooks.finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state); };
+    hooks.finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state, scene.layer->plate); };
     const std::optional<RunReport> report = simulated(prepared, hooks);
     BedInMemory bed;
     if (report) {
-      const bool rests = bed_rests(prepared.model, report->final_state);
+      const bool rests = bed_rests(prepared.model, report->final_state, scene.layer->plate);
       bed = std::make_shared<SettledBed>(
           SettledBed{std::move(prepared.model), report->final_state, report->wall_s, report->converged_contacts, report->residual_max, rests});
     }
@@ -62,8 +62,6 @@ std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed
   SpreadLayer layer;
   layer.bed = bed_of(scene, options);
   if (!layer.bed) return std::nullopt;
-  demand_converged(layer.bed->converged_contacts, layer.bed->residual_max, "the contacts of the settling bed",
-                   "make layer.settle_time_step smaller or solver.max_iterations larger");
   layer.spreading = over_the_bed(scene, layer.bed->model, layer.bed->state, options);
   const Prepared& p = layer.spreading.prepared;
   RunHooks hooks;
@@ -71,11 +69,18 @@ std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed
   std::optional<RunReport> report = simulated(p, hooks, scene.layer->spreader);
   if (!report) return std::nullopt;
   layer.report = *std::move(report);
-  demand_converged(layer.report.converged_fraction, layer.report.residual_max, "the steps of the spreading",
-                   "make solver.time_step smaller or solver.max_iterations larger");
   const SpreaderPath& path = layer.spreading.path;
   layer.measured = measure_layer(*scene.layer, p.model, p.model.initial, layer.report.final_state, layer.steps, path.lowest, path.from);
   return layer;
+}
+
+bool SpreadLayer::converged() const { return bed->converged_contacts >= least_converged && report.converged_fraction >= least_converged; }
+
+void demand_converged(const SpreadLayer& layer) {
+  demand_converged(layer.bed->converged_contacts, layer.bed->residual_max, "the contacts of the settling bed",
+                   "make layer.settle_time_step smaller or solver.max_iterations larger");
+  demand_converged(layer.report.converged_fraction, layer.report.residual_max, "the steps of the spreading",
+                   "make solver.time_step smaller or solver.max_iterations larger");
 }
 
 }  // namespace repose

@@ -29,7 +29,11 @@ struct SpreadLayer {
   RunReport report;               ///< of the spreading
   std::vector<StepRecord> steps;  ///< of the spreading, with the loads on the spreader
   LayerMeasurement measured;
+  bool converged() const;         ///< at least 95 % of the contacts of the bed and of the steps of the spreading
 };
+
+/// Throws Error (Kind::simulation) that says what did not converge.
+void demand_converged(const SpreadLayer& layer);
 
 class LayerRuns {
  public:
@@ -41,8 +45,8 @@ class LayerRuns {
   /// Backend, threads and what is allowed are those of `options`.
   LayerRuns(const Options& options, Beds beds) : options_(options), keep_(beds == Beds::kept) {}
 
-  /// nullopt if it was interrupted. May be called from several threads at once. Throws Error if the scene has no `layer` block, if too few steps of
-  /// the bed or of the spreading converged (Kind::simulation), and what the run throws.
+  /// nullopt if it was interrupted. May be called from several threads at once. Throws Error if the scene has no `layer` block, and what the run
+  /// throws.
   std::optional<SpreadLayer> run(const Scene& scene, std::uint64_t seed);
 
  private:

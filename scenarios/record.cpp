@@ -105,6 +105,7 @@ Recorded record_run(const Scene& scene, const Prepared& prepared, const RecordBl
     if (!layer->bed->at_rest || !layer->measured.at_rest)
       fmt::print(stderr, "warning: run {}: the grains were not at rest when their surface was measured\n  make {} longer\n", run.id,
                  layer->bed->at_rest ? "layer.rest" : "layer.settle");
+    recorded.converged = layer->converged();
     run.observations = observe_layer(*layer, block);
   } else {
     run.observations = observe_run(prepared, block, options, seed, progress, recorded.converged);

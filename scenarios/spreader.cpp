@@ -82,11 +82,13 @@ std::vector<double> places_of_touch(const Extent& piece, const Extent& other, do
   return places;
 }
 
-void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& path, double to) {
+/// Walls stand where they are `time` after the bed began to settle.
+void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& path, double to, double time) {
   const std::vector<ToolBody> pieces = build_tool(placed(spreader, 0, path.lowest));
   for (const Tool& tool : scene.tools) {
     if (can_spread(tool)) continue;
-    for (const ToolBody& other : build_tool(tool))
+    for (ToolBody& other : build_tool(tool)) {
+      other.pose = pose_at(tool.motion, other.pose, time);
       for (const ToolBody& piece : pieces)
         for (const double x : places_of_touch(extent_of(piece), extent_of(other), path.from, to)) {
           Pose pose = piece.pose;
@@ -95,6 +97,7 @@ void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& p
             throw Error("layer.gap", fmt::format("at x = {:.4g} m the spreader, its lowest line at z = {:.6g} m, cuts into `{}`", x, path.lowest, tool.name),
                         "make `gap` larger, lower or shorten that tool, or make the spreader narrower than the walls");
         }
+    }
   }
 }
 
@@ -141,7 +144,7 @@ SpreaderPath spreader_path(const Scene& scene, const Model& model, const Snapsho
   path.duration = (layer.to - path.from) / layer.speed;
   if (!(path.duration > 0))
     throw Error("layer.to", "the spreader finds nothing to spread before it arrives", "make `to` larger, or `gap` smaller");
-  refuse_cuts(scene, tool, path, layer.to);
+  refuse_cuts(scene, tool, path, layer.to, settled.time);
   return path;
 }
 

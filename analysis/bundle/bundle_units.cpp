@@ -18,6 +18,7 @@ constexpr double too_far = 50;        // times what a body can reach
 constexpr double steepest = 90;       // [deg] of a surface of powder
 constexpr double any_speed = 10;      // [m/s] of one whose start is to be estimated
 constexpr double too_long = 100;      // times what the scene lasts
+constexpr double shortest_slide = 1e-3;  // [m]: what came to rest at once may have moved less than its start suggests
 constexpr double thousand_from = 300, thousand_to = 3000;
 
 /// Dimensions of the series that a simulation tells, but for angles.
@@ -85,7 +86,8 @@ void check_series(const BundleRun& run, const Observation& o, const SceneBody& b
   const double most = o.name == "height" ? (speed + 0.5 * gained) * t : speed + gained;
   if (seen > too_far * most)
     throw Error(fmt::format("run {}: {}: {} of `{}`", run.id, o.file, o.name, o.body),
-                fmt::format("it changes by {:.3g} {} within {:.3g} s, where {:.3g} is what its start and gravity allow", seen, unit_of(dimensions().at(o.name)), t, most),
+                fmt::format("it {} {:.3g} {} within {:.3g} s, where {:.3g} is what its start, at up to {:.3g} m/s, and gravity allow", o.name == "height" ? "changes by" : "reaches",
+                            seen, unit_of(dimensions().at(o.name)), t, most, speed),
                 "without a `unit`, numbers are in SI units: are these millimetres, or milliseconds?");
 }
 
@@ -127,8 +129,11 @@ std::vector<std::string> doubtful_scales(const BundleRun& run, const Scene& scen
   for (const Observation& o : run.observations)
     for (const SceneBody& body : scene.bodies) {
       if (o.kind != ObservableKind::trajectory || body.name != o.body || o.time.empty()) continue;
-      const double seen = path_of(o, body.position).extent, expected = body.velocity.norm() * o.time.back();
-      if (about_a_thousand(seen / expected))
+      const bool is_free = std::any_of(run.free.begin(), run.free.end(), [&](const std::string& key) { return key.starts_with("bodies." + o.body + ".velocity"); });
+      const double t = o.time.back(), seen = path_of(o, body.position).extent, expected = body.velocity.norm() * t;
+      if (is_free || seen == 0) continue;  // what the scene holds of a free start says nothing
+      const bool too_long = seen > expected + 0.5 * standard_gravity * t * t, too_short = seen < expected && seen < shortest_slide;
+      if (about_a_thousand(seen / expected) && (too_long || too_short))
         doubts.push_back(fmt::format("run {}: `{}` moves {:.3g} m within {:.3g} s, where its start velocity in the scene takes it {:.3g} m; are positions in metres, times in seconds?",
                                      run.id, o.body, seen, o.time.back(), expected));
     }

@@ -66,7 +66,7 @@ void disturb(const SensorModel& sensor, Random& random, Observation& o) {
   const double sd = noise_of(sensor, o.name), turn = noise_of(sensor, "orientation");
   if (o.kind == ObservableKind::scalar) {
     o.scalar += sd * normal(random);
-    o.sd = sd;
+    o.sd = std::hypot(o.sd, sd);  // what it has from its own measurement stays
     return;
   }
   for (std::size_t i = 0; i < o.time.size() || (o.time.empty() && i < o.value.size()); ++i) {

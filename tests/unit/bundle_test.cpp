@@ -348,5 +348,23 @@ TEST(Sensor, NoiseHasTheStatedScatterAndIsReproducible) {
   EXPECT_NEAR(std::sqrt(squares / seen), 0.5, 5 * 0.5 / std::sqrt(2.0 * seen));
 }
 
+TEST(Sensor, ASingleNumberKeepsItsOwnErrorBesideTheNoise) {
+  Observation angle;
+  angle.kind = ObservableKind::scalar;
+  angle.name = "angle_of_repose";
+  angle.scalar = 30;
+  angle.sd = 0.3;
+  SensorModel sensor;
+  Random random(1, 1);
+  disturb(sensor, random, angle);
+  EXPECT_EQ(angle.scalar, 30);
+  EXPECT_EQ(angle.sd, 0.3);
+  sensor.noise["angle_of_repose"] = 0.4;
+  disturb(sensor, random, angle);
+  EXPECT_NE(angle.scalar, 30);
+  EXPECT_NEAR(angle.scalar, 30, 2);
+  EXPECT_NEAR(angle.sd, 0.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace repose

@@ -46,6 +46,27 @@ TEST(Spreading, GoesOnFromWhereTheWallsWere) {
   EXPECT_NEAR(placed(spread, roller, 0.01).position.x() - spread.initial.position[roller].x(), 0.01 * scene.layer->speed, 1e-12);
 }
 
+// A plate that comes down while the bed settles is out of the way, one that rises is in it.
+TEST(Spreading, IsRefusedWhereWallsAreWhenItStarts) {
+  Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
+  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  Snapshot settled = bed.initial;
+  settled.time = settled_at;
+  constexpr double surface = 2e-3;  // [m], above all grains
+  scene.layer->from = -1e-3;
+  const double lowest = scene.layer->plate + surface + scene.layer->gap;
+  for (const double up : {-1.0, 1.0}) {
+    Scene with = scene;
+    Tool fin{"fin", "steel", Plate{{1e-4, 1e-4, 5e-4}}, {1.5e-3, 0, lowest - up * 2e-4}, {}};
+    fin.motion.velocity = Vec3(0, 0, up * 4e-4 / settled_at);
+    with.tools.push_back(fin);
+    if (up < 0)
+      EXPECT_NO_THROW(spreader_path(with, bed, settled, surface));
+    else
+      EXPECT_THROW(spreader_path(with, bed, settled, surface), Error);
+  }
+}
+
 // A plate in the way is found however thin it and the spreader are beside the travel.
 TEST(Spreading, IsRefusedWhereItWouldCutIntoAThinPlate) {
   Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
@@ -129,15 +150,18 @@ TEST(Bed, DoesNotRestBeforeItCouldFall) {
   const Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
   const Model bed = prepare_quietly(bed_scene(scene), {}).model;
   Snapshot state = bed.initial;
-  EXPECT_TRUE(grains_rest(bed, state));
+  EXPECT_TRUE(grains_rest(bed, state, 0));
   for (const double t : {0.0, 1e-4, 0.01}) {
     state.time = t;
-    EXPECT_FALSE(bed_rests(bed, state)) << t;
+    EXPECT_FALSE(bed_rests(bed, state, 0)) << t;
   }
   state.time = 0.02;  // 5 sqrt(d/g) = 12 ms for 58 um
-  EXPECT_TRUE(bed_rests(bed, state));
+  EXPECT_TRUE(bed_rests(bed, state, 0));
+  state.velocity.back() = Vec3(0, 0, -1);  // one that has fallen off the plate
+  state.position.back().z() = -0.05;
+  EXPECT_TRUE(bed_rests(bed, state, 0));
   for (Vec3& v : state.velocity) v = Vec3(0, 0, -1e-3);  // sqrt(g d) = 24 mm/s
-  EXPECT_FALSE(bed_rests(bed, state));
+  EXPECT_FALSE(bed_rests(bed, state, 0));
 }
 
 }  // namespace
