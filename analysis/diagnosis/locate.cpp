@@ -76,16 +76,13 @@ Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisan
     for (const auto& [body, track] : history.bodies) {
       const bool observed = std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name; });
       if (!observed) continue;
-      const double weight = history.mass.at(body) * gravity_scale(history), arm = history.radius.at(body);
-      const bool turning = std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name && c.observable == "orientation"; });
-      const int parts = turning ? 6 : 3;  // of the wrench: the torque where a turn is seen
+      const double weight = history.mass.at(body) * gravity_scale(history);
       std::vector<Eigen::MatrixXd> responses;  // of the pieces since the phase began
       std::size_t begun = entries.size();
       for (const Segment& segment : segments_of(history, body, data.horizon, 8)) {
-        Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), parts);
-        for (int k = 0; k < parts; ++k) {
-          const Vec3 trial = trial_share * weight * Vec3::Unit(k % 3);
-          const WindowLoad load{body, segment.from, segment.to, k < 3 ? trial : Vec3::Zero(), k < 3 ? Vec3::Zero() : Vec3(arm * trial)};
+        Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), 3);
+        for (int k = 0; k < 3; ++k) {
+          WindowLoad load{body, segment.from, segment.to, trial_share * weight * Vec3::Unit(k), Vec3::Zero()};
           const Eigen::VectorXd r = problem.residual(fit.layout, run, fit.shared, fit.own[run], {load});
           if (r.size() > 0) columns.col(k).segment(first, size) = (r - fit.residual[i]) / trial_share;
         }
@@ -102,7 +99,7 @@ Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisan
         }
         entry.deviate = deviate(gain_of(probe, nuisance.residual()), probe.basis.cols());
         all.conservativeResize(Eigen::NoChange, all.cols() + 3);
-        all.rightCols(3) = columns.middleRows(first, size).leftCols(3);
+        all.rightCols(3) = columns.middleRows(first, size);
         probes.push_back(std::move(probe));
         of_run.push_back(entries.size());
         if (!responses.empty() && !follows(entries.back().segment, segment)) responses.clear();
@@ -110,13 +107,12 @@ Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisan
         entries.push_back(entry);
         windows.push_back({entries.size() - 1, entries.size() - 1, entry.deviate});
         // The last few pieces together: responses add.
-        const Eigen::MatrixXd alone = columns.middleRows(first, size);
         for (std::size_t n = responses.size(); n-- > 0;) {
           columns.middleRows(first, size) += responses[n];
           const Probe together{nuisance.left_of(columns), false};
           windows.push_back({begun + n, entries.size() - 1, deviate(gain_of(together, nuisance.residual()), together.basis.cols())});
         }
-        responses.push_back(alone);
+        responses.push_back(all.rightCols(3).eval());
       }
       // The forces of all segments together, so that none speaks for its neighbours; in units of the weight, a little stiff.
       if (all.cols() == 0) continue;

@@ -1,6 +1,6 @@
 #pragma once
-/// Where the mismatch is: an unknown, piecewise constant wrench on each body (a force alone where no turn is observed), tested on the likelihood of the
-/// whole record.
+/// Where the mismatch is: an unknown, piecewise constant force on each body, tested on the likelihood of the whole record. A torque beside it was tried and found
+/// mismatches in spinning balls where there are none.
 #include <string>
 #include <vector>
 
@@ -14,7 +14,7 @@ struct Located {
   std::string observable;   ///< that shows it best
   Segment segment;
   double mass = 0;          ///< of the body [kg]
-  Vec3 force = Vec3::Zero();     ///< unknown force without a torque, all segments of the run estimated together [N]; 0 where it cannot be seen
+  Vec3 force = Vec3::Zero();     ///< unknown force, all segments of the run estimated together [N]; 0 where it cannot be seen
   Vec3 force_se = Vec3::Zero();
   double deviate = 0;       ///< of this segment alone (probe.hpp)
   double p = 1;             ///< corrected for all segments of all runs
@@ -22,7 +22,7 @@ struct Located {
 
 struct Places {
   std::vector<Located> pieces;     ///< every segment by itself, sorted by p, then by deviate
-  /// Disjoint windows: of neighbouring pieces of one run, body and phase, those through which a constant wrench stands out most, so that what acts
+  /// Disjoint windows: of neighbouring pieces of one run, body and phase, those through which a constant force stands out most, so that what acts
   /// all along a phase is told as one. The force is the mean over its time, p the smallest of its pieces. Sorted as above.
   std::vector<Located> stretches;
 };
