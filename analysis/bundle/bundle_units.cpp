@@ -58,11 +58,14 @@ Path path_of(const Observation& o, const Vec3& start) {
   return path;
 }
 
+bool has_free_velocity(const BundleRun& run, const std::string& body) {
+  return std::any_of(run.free.begin(), run.free.end(), [&](const std::string& key) { return key.starts_with("bodies." + body + ".velocity"); });
+}
+
 void check_lengths(const BundleRun& run, const Observation& o, const SceneBody& body) {
   const std::string place = fmt::format("run {}: {}: position of `{}`", run.id, o.file, o.body);
   const Path path = path_of(o, body.position);
-  const bool free_start = std::any_of(run.free.begin(), run.free.end(), [&](const std::string& key) { return key.starts_with("bodies." + o.body + ".velocity"); });
-  const double t = o.time.back(), reach = (body.velocity.norm() + (free_start ? any_speed : 0)) * t + 0.5 * standard_gravity * t * t;
+  const double t = o.time.back(), reach = (body.velocity.norm() + (has_free_velocity(run, o.body) ? any_speed : 0)) * t + 0.5 * standard_gravity * t * t;
   if (path.extent > too_far * reach && reach > 0)
     throw Error(place, fmt::format("it moves {:.3g} m within {:.3g} s, where {:.3g} m is what its start and gravity allow", path.extent, t, reach),
                 "positions are in metres, times in seconds: are these millimetres, or milliseconds?");
@@ -129,9 +132,8 @@ std::vector<std::string> doubtful_scales(const BundleRun& run, const Scene& scen
   for (const Observation& o : run.observations)
     for (const SceneBody& body : scene.bodies) {
       if (o.kind != ObservableKind::trajectory || body.name != o.body || o.time.empty()) continue;
-      const bool is_free = std::any_of(run.free.begin(), run.free.end(), [&](const std::string& key) { return key.starts_with("bodies." + o.body + ".velocity"); });
       const double t = o.time.back(), seen = path_of(o, body.position).extent, expected = body.velocity.norm() * t;
-      if (is_free || seen == 0) continue;  // what the scene holds of a free start says nothing
+      if (has_free_velocity(run, o.body) || seen == 0) continue;  // what the scene holds of a free start says nothing
       const bool too_long = seen > expected + 0.5 * standard_gravity * t * t, too_short = seen < expected && seen < shortest_slide;
       if (about_a_thousand(seen / expected) && (too_long || too_short))
         doubts.push_back(fmt::format("run {}: `{}` moves {:.3g} m within {:.3g} s, where its start velocity in the scene takes it {:.3g} m; are positions in metres, times in seconds?",

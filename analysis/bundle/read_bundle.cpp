@@ -10,6 +10,7 @@
 #include "analysis/bundle/bundle_files.hpp"
 #include "analysis/bundle/bundle_units.hpp"
 #include "analysis/bundle/numeric_key.hpp"
+#include "analysis/bundle/scene_keys.hpp"
 #include "analysis/bundle/windows.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
@@ -99,7 +100,7 @@ class BundleReader {
       if (set.node().kind != YamlNode::Kind::map)
         set.fail("expected a map of scene keys", "write `{bodies.ball.position: [0, 0, 1]}`");
       for (const YamlEntry& entry : set.node().entries) {
-        const auto same = [&](const std::string& key) { return key == entry.key || key.starts_with(entry.key + ".") || entry.key.starts_with(key + "."); };
+        const auto same = [&](const std::string& key) { return overlap(key, entry.key); };
         if (const auto free = std::find_if(bundle_.calibrate.begin(), bundle_.calibrate.end(), same); free != bundle_.calibrate.end())
           set.fail(fmt::format("the run sets `{}`, which `calibrate` leaves to one fit over all runs (`{}`)", entry.key, *free), "remove the key from one of the two");
         run.set.push_back({entry.key, emit_yaml(entry.value)});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "analysis/bundle/scene_keys.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 
@@ -70,7 +71,7 @@ TermParameters of_measurement(const EffectRow& row, const NaturalScale& scale, c
 
 /// Is a key, or a part of it, calibrated, or set by a run for itself?
 bool is_free_or_per_run(const Bundle& bundle, const std::string& key) {
-  const auto touches = [&](const std::string& other) { return key == other || key.starts_with(other + ".") || other.starts_with(key + "."); };
+  const auto touches = [&](const std::string& other) { return overlap(key, other); };
   return std::any_of(bundle.calibrate.begin(), bundle.calibrate.end(), touches) ||
          std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
            return std::any_of(run.set.begin(), run.set.end(), [&](const Override& o) { return touches(o.path); });
