@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "core/areal_filter.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml_blocks.hpp"
 
@@ -58,6 +59,11 @@ void read_surface(const YamlReader& reader, LayerSetup& layer) {
     reader.at("square").fail("is larger than the region", "about one grain diameter is usual");
   if (extent.prod() / (layer.square * layer.square) > 1e9)
     reader.at("square").fail("the region has more than a billion squares", "about one grain diameter is usual");
+  for (const auto& [key, index] : {std::pair{"s_filter", layer.s_filter}, {"l_filter", layer.l_filter}})
+    if (index > 0 && index < least_filter_cells * layer.cell)
+      reader.at(key).fail("is shorter than three cells: on this grid it is no filter", "make it longer or `cell` smaller, or leave it out for none");
+  if (layer.s_filter > extent.minCoeff())
+    reader.at("s_filter").fail("is longer than the region: nothing of the surface is left", "a fraction of a grain diameter is usual; leave it out for none");
   if (layer.l_filter > 0 && layer.l_filter <= layer.s_filter)
     reader.at("l_filter").fail("is not above `s_filter`", "it keeps what is shorter, the other what is longer");
 }

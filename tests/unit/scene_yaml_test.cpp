@@ -280,6 +280,29 @@ TEST(SceneYaml, SidesOfALayerArePeriodicOrWalls) {
   EXPECT_EQ(walls.tools.size(), 3U);
 }
 
+// A filter that the grid cannot hold makes a roughness of nothing: refused before anything is simulated, with what mends it.
+TEST(SceneYaml, FiltersOfALayerFitItsGrid) {
+  const auto layer = [](const std::string& filters) {
+    return parse("materials: {a: {density: 1000}}\nbodies: {}\ngrains: {p: {material: a, count: 1, size: 50 um, fill: {box: {lower: [0, 0, 0], upper: "
+                 "[1 mm, 1 mm, 1 mm]}}}}\ntools: {r: {type: roller, material: a, diameter: 10 mm, width: 1 mm}}\nduration: 1\nlayer: {spreader: r, gap: "
+                 "50 um, speed: 1 mm/s, to: 1 mm, settle: 1, settle_time_step: 1.0e-4, region: {lower: [0, 0], upper: [1 mm, 1 mm]}, surface: {cell: 5 um, "
+                 "square: 50 um, " + filters + "}}\n");
+  };
+  const Scene scene = layer("s_filter: 15 um, l_filter: 500 um");
+  EXPECT_DOUBLE_EQ(scene.layer->s_filter, 15e-6);
+  EXPECT_DOUBLE_EQ(scene.layer->l_filter, 500e-6);
+  EXPECT_NO_THROW(layer("s_filter: 0, l_filter: 0"));
+  for (const char* nonsense : {"s_filter: 14 um", "l_filter: 1 um", "l_filter: 14 um", "s_filter: 50 um, l_filter: 50 um", "s_filter: 1.1 mm", "s_filter: -20 um", "l_filter: 1 s"}) {
+    try {
+      layer(nonsense);
+      ADD_FAILURE() << nonsense;
+    } catch (const Error& e) {
+      EXPECT_NE(e.place().find("_filter"), std::string::npos) << nonsense << ": " << e.place();
+      EXPECT_FALSE(e.remedy().empty()) << nonsense;
+    }
+  }
+}
+
 TEST(SceneYaml, ReadsMeshesAndRefusesBrokenOnes) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "scene_yaml_test";
   std::filesystem::create_directories(folder);
