@@ -20,17 +20,27 @@ bool same_settings(const std::vector<Override>& a, const std::vector<Override>& 
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Override& x, const Override& y) { return x.path == y.path && x.value == y.value; });
 }
 
+/// 0 in every run, with no stated error: the bare plate before a layer. No packing changes it and its size gives no resolution, so it cannot be weighed.
+bool is_always_zero(const BulkSummary& summary, const Bundle& bundle) {
+  return std::all_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
+    const bool stated = std::any_of(run.observations.begin(), run.observations.end(), [&](const Observation& o) { return o.name == summary.observable && o.sd > 0; });
+    return !stated && value_of(summary, run.observations) == 0;
+  });
+}
+
 std::vector<BulkSummary> common_summaries(const Bundle& bundle, std::vector<std::string>& notes) {
   std::vector<BulkSummary> common;
   for (const BulkSummary& s : summaries_of(bundle.runs.front().observations)) {
     const auto lacks = std::find_if(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) { return !std::isfinite(value_of(s, run.observations)); });
-    if (lacks == bundle.runs.end())
-      common.push_back(s);
-    else
+    if (lacks != bundle.runs.end())
       notes.push_back(fmt::format("`{}` is left out: run {} does not have it.", s.name, lacks->id));
+    else if (is_always_zero(s, bundle))
+      notes.push_back(fmt::format("`{}` is left out: it is 0 in every run.", s.name));
+    else
+      common.push_back(s);
   }
   if (common.empty())
-    throw Error("runs", "no bulk observable is there in every run",
+    throw Error("runs", "no bulk observable is there in every run, other than 0",
                 "give each run the same: angle_of_repose, heap, discharged_mass, mass_on_base, surface_angle, roller_force_*, a surface");
   return common;
 }

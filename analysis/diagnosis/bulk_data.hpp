@@ -4,7 +4,7 @@
 
 namespace repose::diagnosis {
 
-/// Summaries that every run has, runs grouped by their settings. If no run says whether it is held out, a third of the runs of each setting with
+/// Summaries that every run has and that are not 0 in all of them, runs grouped by their settings. If no run says whether it is held out, a third of the runs of each setting with
 /// three or more is, chosen by the seed. A stated error of a scalar counts where fewer than three runs show the scatter themselves.
 /// `notes`: what was left out, and the split. Throws Error if no summary is left.
 BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::string>& notes);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 #include "analysis/diagnosis/bulk_statistics.hpp"
@@ -21,6 +22,22 @@ struct Choice {
   std::vector<BulkSummary> summaries;
   double runs = 0;
 };
+
+/// Those that some packing changes: what is always the same (the bare plate before a layer) parts nothing, and has no scatter to be weighed by.
+std::vector<BulkSummary> that_vary(const std::vector<BulkSummary>& all, const std::vector<BulkOutcome>& a, const std::vector<BulkOutcome>& b) {
+  std::vector<BulkSummary> result;
+  for (const BulkSummary& s : all) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const auto* outcomes : {&a, &b}) {
+      const MatrixXd rows = complete_rows(rows_of(*outcomes, {s}));
+      if (rows.rows() == 0) continue;
+      low = std::min(low, rows.minCoeff());
+      high = std::max(high, rows.maxCoeff());
+    }
+    if (high > low) result.push_back(s);
+  }
+  return result;
+}
 
 std::vector<Choice> choices(const std::vector<BulkSummary>& at_hand, const std::vector<BulkSummary>& possible, double runs) {
   std::vector<Choice> all;
@@ -54,7 +71,7 @@ SuggestedRecording bulk_recording_that_parts(const BulkModel& first, const BulkM
   double runs = 0;
   for (const BulkSetting& s : data.settings) runs += static_cast<double>(s.train.rows() + s.held.rows());
   bool sure = false;
-  for (const Choice& choice : choices(summaries_of(recorded), summaries_of(a.front().observations), runs)) {
+  for (const Choice& choice : choices(that_vary(summaries_of(recorded), a, b), that_vary(summaries_of(a.front().observations), a, b), runs)) {
     const MatrixXd rows[] = {complete_rows(rows_of(a, choice.summaries)), complete_rows(rows_of(b, choice.summaries))};
     if (rows[0].rows() < 2 || rows[1].rows() < 2) continue;
     const VectorXd delta = (rows[0].colwise().mean() - rows[1].colwise().mean()).transpose();

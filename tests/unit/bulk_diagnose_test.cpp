@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analysis/diagnosis/bulk_data.hpp"
 #include "core/error.hpp"
 #include "tests/unit/stand_in_heap.hpp"
 
@@ -102,6 +103,40 @@ TEST(BulkCandidates, AreSearchedOnlyWhereTheSceneCanBeBuilt) {
   }
   // Two spheres, one through the other, part before they are twice as long.
   EXPECT_LT(found.front().parameters.front().upper, 1.9);
+}
+
+// The bare plate before a layer: 0 whatever the packing, so that nothing says how far from it is far.
+TEST(BulkDataTest, ANumberThatIsAlwaysZeroIsLeftOut) {
+  Bundle bundle = recorded_heaps(4, 1, {});
+  Observation bare, offset;
+  bare.kind = ObservableKind::surface;
+  bare.name = "layer_before";
+  bare.at = bare.at_y = {0, 1, 2};
+  bare.value = {0, 0, 0};
+  offset.kind = ObservableKind::scalar;
+  offset.name = "offset";
+  offset.sd = 0.1;  // 0 within a stated error is a number like any other
+  for (BundleRun& run : bundle.runs) {
+    run.observations.push_back(bare);
+    run.observations.push_back(offset);
+  }
+  const auto names = [](const Bundle& of, std::vector<std::string>& notes) {
+    std::vector<std::string> result;
+    for (const BulkSummary& s : bulk_data(of, 1, notes).summaries) result.push_back(s.name);
+    return result;
+  };
+  std::vector<std::string> notes;
+  const std::vector<std::string> kept = names(bundle, notes);
+  EXPECT_FALSE(holds(kept, "layer_before_sd"));
+  EXPECT_FALSE(holds(kept, "layer_before_mean"));
+  EXPECT_TRUE(holds(kept, "angle_of_repose"));
+  EXPECT_TRUE(holds(kept, "offset"));
+  EXPECT_TRUE(holds(notes, "`layer_before_sd` is left out: it is 0 in every run."));
+  for (double& z : bundle.runs.back().observations[bundle.runs.back().observations.size() - 2].value) z = 1e-6;
+  EXPECT_TRUE(holds(names(bundle, notes), "layer_before_mean"));
+  keep(bundle, {"layer_before"});
+  bundle.runs.pop_back();
+  EXPECT_THROW(bulk_data(bundle, 1, notes), Error);
 }
 
 TEST(BulkDiagnosisTest, OneNumberHasManyExplanations) {
