@@ -44,17 +44,10 @@ std::vector<std::vector<Stretch>> stretches(const Model& model, const Snapshot& 
     mirrored.axis.z() *= -1;
     mirrored.shape.topRightCorner<2, 1>() *= -1;
     mirrored.shape.bottomLeftCorner<1, 2>() *= -1;
-    const double reach = part.reach();
-    const Vec2 at = part.centre.head<2>() - lines.origin;
-    const auto first = [&](double x, int n) { return std::clamp(static_cast<int>(std::floor((x - reach) / lines.cell)), 0, n); };
-    const auto last = [&](double x, int n) { return std::clamp(static_cast<int>(std::ceil((x + reach) / lines.cell)), 0, n); };
-    for (int j = first(at.y(), lines.ny); j < last(at.y(), lines.ny); ++j)
-      for (int i = first(at.x(), lines.nx); i < last(at.x(), lines.nx); ++i) {
-        const double top = top_over_point(part, lines.middle(i, j));
-        if (!std::isfinite(top)) continue;
-        const double bottom = -top_over_point(mirrored, lines.middle(i, j));
-        result[lines.index(i, j)].push_back({static_cast<float>(bottom - lines.plate), static_cast<float>(top - lines.plate)});
-      }
+    for_each_cell_under(part, lines, [&](int i, int j, double top) {
+      const double bottom = -top_over_point(mirrored, lines.middle(i, j));
+      result[lines.index(i, j)].push_back({static_cast<float>(bottom - lines.plate), static_cast<float>(top - lines.plate)});
+    });
   }
   return result;
 }
@@ -103,6 +96,15 @@ std::optional<double> ratio_error(const std::vector<double>& upper, const std::v
 }
 
 }  // namespace
+
+double mean_diameter(const Model& model) {
+  double sum = 0, n = 0;
+  for_each_grain(model, [&](std::size_t, const Body& body) {
+    sum += 2 * body.radius;
+    n += 1;
+  });
+  return n > 0 ? sum / n : 0;
+}
 
 Vec3 highest_point(const Model& model, const Snapshot& state, int body) {
   Vec3 best(0, 0, -std::numeric_limits<double>::infinity());
@@ -173,7 +175,7 @@ Packing packing_of_bed(const Model& model, const Snapshot& state, const SurfaceR
   p.solid_volume = solid * area;
   p.volume = all * area;
   p.area = n * area;
-  p.fraction = all > 0 ? solid / all : 0;
+  if (all > 0) p.fraction = solid / all;
   p.se = ratio_error(block_solid, block_all);
   p.pores = pores.size();
   for (float pore : pores) p.pore_mean += pore / static_cast<double>(pores.size());

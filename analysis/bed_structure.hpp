@@ -10,8 +10,11 @@
 
 namespace repose {
 
-/// The measure of the source study: the region in squares, the highest grain of each. Heights are above the plate [m]; NaN:
-/// no grain.
+/// Of all grains, each as the sphere of its volume [m]; 0 without grains.
+double mean_diameter(const Model& model);
+
+/// The measure of the source study: the region in squares, the highest grain of each. Heights are above the plate [m]; NaN: no grain has its centre, or its
+/// top, in the square. Such a square is left out, not taken for bare plate: a grain of the next square may cover it.
 struct HighestGrains {
   double square = 0;            ///< edge [m]
   int nx = 0, ny = 0;
@@ -29,7 +32,9 @@ struct Packing {
   double slab = 0;                    ///< thickness of a slab [m]
   std::vector<double> solid;          ///< share of slab k, heights k to k + 1 slabs above the plate, that is solid [1]
   std::vector<double> below_surface;  ///< share of it that lies below the surface (under some grain's top) [1]
-  double fraction = 0;                ///< solid share of the volume between plate and surface (holes: none) [1]
+  /// Solid share of the volume between plate and tops (holes: none) [1]; nullopt where there is no grain. Of one layer of grains it tells their shape, not
+  /// how densely they lie: see `solid_volume` over `area`.
+  std::optional<double> fraction;
   std::optional<double> se;           ///< of `fraction`, from blocks of the region; nullopt if fewer than eight
   double solid_volume = 0, volume = 0;  ///< [m^3]
   double area = 0;                    ///< that the lines stand for [m^2]

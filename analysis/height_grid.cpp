@@ -50,20 +50,52 @@ std::vector<GrainPart> grain_parts_over(const Model& model, const Snapshot& stat
 
 HeightGrid height_grid(const Model& model, const Snapshot& state, const SurfaceRegion& region, double cell) {
   HeightGrid grid = empty_grid(region, cell);
-  for (const GrainPart& part : grain_parts_over(model, state, region)) {
-    const double reach = part.reach();
-    const Vec2 at = part.centre.head<2>() - grid.origin;
-    const auto first = [&](double x, int n) { return std::clamp(static_cast<int>(std::floor((x - reach) / cell)), 0, n); };
-    const auto last = [&](double x, int n) { return std::clamp(static_cast<int>(std::ceil((x + reach) / cell)), 0, n); };
-    for (int j = first(at.y(), grid.ny); j < last(at.y(), grid.ny); ++j)
-      for (int i = first(at.x(), grid.nx); i < last(at.x(), grid.nx); ++i) {
-        const double top = top_over_point(part, grid.middle(i, j));
-        if (!std::isfinite(top)) continue;
-        float& height = grid.height[grid.index(i, j)];
-        height = std::fmax(height, static_cast<float>(top - grid.plate));  // fmax: a number beats NaN
-      }
-  }
+  for (const GrainPart& part : grain_parts_over(model, state, region))
+    for_each_cell_under(part, grid, [&](int i, int j, double top) {
+      float& height = grid.height[grid.index(i, j)];
+      height = std::fmax(height, static_cast<float>(top - grid.plate));  // fmax: a number beats NaN
+    });
   return grid;
+}
+
+double coverage(const HeightGrid& grid) {
+  const auto holes = std::count_if(grid.height.begin(), grid.height.end(), [](float height) { return std::isnan(height); });
+  return 1 - static_cast<double>(holes) / static_cast<double>(grid.height.size());
+}
+
+HeightGrid on_plate(HeightGrid grid) {
+  std::replace_if(grid.height.begin(), grid.height.end(), [](float height) { return std::isnan(height); }, 0.0f);
+  return grid;
+}
+
+std::optional<Vec2> hole_beside_plate(const Model& model, const Snapshot& state, const HeightGrid& grid) {
+  if (state.size() != model.bodies.size())
+    throw Error("layer", "the state has another number of bodies than the model", "read both from the same run");
+  std::vector<std::size_t> fixed;
+  for (std::size_t k = 0; k < model.bodies.size(); ++k)
+    if (!model.bodies[k].dynamic && model.bodies[k].exists_at(state.time)) fixed.push_back(k);
+  const auto solid_at = [&](const Vec3& point) {
+    return std::any_of(fixed.begin(), fixed.end(), [&](std::size_t k) {
+      const Body& body = model.bodies[k];
+      const Shape& shape = model.shapes[static_cast<std::size_t>(body.shape)];
+      const double reach = shape.bounded() ? body.scale * shape.bounding_radius : 0;
+      bool inside = false;
+      model.periodic.each_image(state.position[k], reach, [&](const Vec3& image) {
+        inside = inside || contains(shape, Pose{image, state.orientation[k]}.to_local(point) / body.scale);
+        return !inside;
+      });
+      return inside;
+    });
+  };
+  const Vec3 step(0, 0, 0.1 * grid.cell);
+  for (int j = 0; j < grid.ny; ++j)
+    for (int i = 0; i < grid.nx; ++i) {
+      if (!grid.is_hole(i, j)) continue;
+      const Vec2 at = grid.middle(i, j);
+      const Vec3 ground(at.x(), at.y(), grid.plate);
+      if (!solid_at(ground - step) || solid_at(ground + step)) return at;
+    }
+  return std::nullopt;
 }
 
 }  // namespace repose

@@ -1,8 +1,10 @@
 #pragma once
 /// The surface of a bed as heights over a regular grid, and as an OpenVDB file.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,30 @@ std::vector<GrainPart> grain_parts_over(const Model& model, const Snapshot& stat
 
 /// Height of the highest grain surface over the middle of each cell, in closed form for every grain shape (silhouette.hpp).
 HeightGrid height_grid(const Model& model, const Snapshot& state, const SurfaceRegion& region, double cell);
+
+/// fn(i, j, top): the cells whose middles the part stands over, and how high it reaches there [m, world].
+template <class Fn>
+void for_each_cell_under(const GrainPart& part, const HeightGrid& grid, Fn fn) {
+  const double reach = part.reach();
+  const Vec2 at = part.centre.head<2>() - grid.origin;
+  const auto first = [&](double x, int n) { return std::clamp(static_cast<int>(std::floor((x - reach) / grid.cell)), 0, n); };
+  const auto last = [&](double x, int n) { return std::clamp(static_cast<int>(std::ceil((x + reach) / grid.cell)), 0, n); };
+  for (int j = first(at.y(), grid.ny); j < last(at.y(), grid.ny); ++j)
+    for (int i = first(at.x(), grid.nx); i < last(at.x(), grid.nx); ++i)
+      if (const double top = top_over_point(part, grid.middle(i, j)); std::isfinite(top)) fn(i, j, top);
+}
+
+/// Share of the cells that are no holes [1].
+double coverage(const HeightGrid& grid);
+
+/// The surface as one who looks down sees it: where no grain stands the build plate shows, which is height 0. What is told of heights, their
+/// differences and roughness is told of this surface; the grid with holes says where it is powder. Right only where the plate is: see
+/// hole_beside_plate.
+HeightGrid on_plate(HeightGrid grid);
+
+/// A hole under which the plate is not: no fixed or driven solid has its top at height 0 there, to a tenth of a cell. The middle of the first such cell [m];
+/// nullopt if there is none, as where there are no holes. Throws Error if the state is of another model.
+std::optional<Vec2> hole_beside_plate(const Model& model, const Snapshot& state, const HeightGrid& grid);
 
 /// A surface with its name in the file.
 struct NamedGrid {

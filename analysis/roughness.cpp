@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/areal_filter.hpp"
 #include "core/error.hpp"
 
 namespace repose {
@@ -24,6 +25,7 @@ Vec2 from_middle(const HeightGrid& grid, int i, int j) {
 /// Sums over cells, and the figures that follow from them.
 struct Moments {
   double n = 0, first = 0, second = 0, third = 0, fourth = 0, absolute = 0;
+  double sides = 0;  // cells above less cells below
 
   void add(double z, double offset) {
     const double d = z - offset;
@@ -33,6 +35,7 @@ struct Moments {
     third += d * d * d;
     fourth += d * d * d * d;
     absolute += std::abs(d);
+    sides += (d > 0) - (d < 0);
   }
   void operator+=(const Moments& o) {
     n += o.n;
@@ -41,6 +44,18 @@ struct Moments {
     third += o.third;
     fourth += o.fourth;
     absolute += o.absolute;
+    sides += o.sides;
+  }
+  /// The same cells about their own mean; the absolute values to first order in its distance.
+  Moments about_mean() const {
+    const double m = first / n;
+    return {n,
+            0,
+            second - n * m * m,
+            third - 3 * m * second + 2 * n * m * m * m,
+            fourth - 4 * m * third + 6 * m * m * second - 3 * n * m * m * m * m,
+            absolute - m * sides,
+            sides};
   }
   double Sq() const { return std::sqrt(second / n); }
   double Sa() const { return absolute / n; }
@@ -114,7 +129,8 @@ HeightGrid without(const HeightGrid& surface, const Plane& plane) {
 }
 
 HeightGrid gaussian_mean(const HeightGrid& surface, double lambda) {
-  if (!(lambda > 0)) throw Error("roughness", "a filter needs a positive nesting index", "leave it out for none");
+  if (!(lambda >= least_filter_cells * surface.cell))
+    throw Error("roughness", "a filter needs a nesting index of three cells or more", "make it longer or the cells smaller, or leave it out for none");
   const double width = std::sqrt(std::numbers::ln2 / std::numbers::pi) * lambda;
   std::vector<double> weight;
   for (int k = 0; k * surface.cell <= lambda || k == 0; ++k)
@@ -160,16 +176,20 @@ Roughness roughness(const HeightGrid& prepared) {
   r.Sa = moments.Sa();
   r.Sq = moments.Sq();
   r.Sz = r.Sp + r.Sv;
-  r.Ssk = moments.Ssk();
-  r.Sku = moments.Sku();
+  if (moments.second > 0) {
+    r.Ssk = moments.Ssk();
+    r.Sku = moments.Sku();
+  }
   return r;
 }
 
-std::optional<double> autocorrelation_length(const HeightGrid& prepared) {
+std::optional<double> autocorrelation_length(const HeightGrid& prepared, double most_products) {
   constexpr double fallen = 0.2;
   const double mean = mean_height(prepared), variance = covariance(prepared, mean, 0, 0);
   if (!(variance > 0)) return std::nullopt;
-  const int reach = std::min(prepared.nx, prepared.ny) / 2;
+  // Half a disc of lags, a product for each cell.
+  const double affordable = std::sqrt(2 / std::numbers::pi * most_products / static_cast<double>(prepared.height.size()));
+  const int reach = static_cast<int>(std::min(0.5 * std::min(prepared.nx, prepared.ny), affordable));
 
   // Lags of the half plane dx >= 0, by length: the first that has fallen bounds the answer.
   struct Lag {
@@ -244,7 +264,9 @@ std::optional<RoughnessError> block_bootstrap(const HeightGrid& surface, const H
       heights += b.heights;
       shape += b.shape;
     }
-    if (shape.n > 0) drawn.push_back({heights.first / heights.n, shape.Sa(), shape.Sq(), shape.Ssk(), shape.Sku()});
+    if (!(shape.n > 0)) continue;
+    shape = shape.about_mean();  // as roughness() takes its heights
+    drawn.push_back({heights.first / heights.n, shape.Sa(), shape.Sq(), shape.Ssk(), shape.Sku()});
   }
   std::array<double, 5> scatter{};
   for (std::size_t k = 0; k < scatter.size(); ++k) {
@@ -254,7 +276,14 @@ std::optional<RoughnessError> block_bootstrap(const HeightGrid& surface, const H
     for (const auto& d : drawn) squares += (d[k] - centre) * (d[k] - centre);
     scatter[k] = std::sqrt(squares / static_cast<double>(drawn.size() - 1));
   }
-  return RoughnessError{scatter[0], scatter[1], scatter[2], scatter[3], scatter[4], across * along};
+  Moments all;
+  for (const Block& b : blocks) all += b.shape;
+  RoughnessError error{scatter[0], scatter[1], scatter[2], std::nullopt, std::nullopt, across * along};
+  if (all.second > 0) {
+    error.Ssk = scatter[3];
+    error.Sku = scatter[4];
+  }
+  return error;
 }
 
 HeightFigures height_figures(std::vector<double> heights) {

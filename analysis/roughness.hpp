@@ -26,7 +26,7 @@ struct Plane {
 Plane fit_plane(const HeightGrid& surface);
 HeightGrid without(const HeightGrid& surface, const Plane& plane);
 
-/// The areal Gaussian mean of nesting index `lambda` [m], > 0; holes stay holes.
+/// The areal Gaussian mean of nesting index `lambda` [m]; holes stay holes. Throws Error below least_filter_cells (core/areal_filter.hpp) cells.
 HeightGrid gaussian_mean(const HeightGrid& surface, double lambda);
 
 /// How a surface is prepared.
@@ -37,20 +37,22 @@ HeightGrid prepared_surface(const HeightGrid& surface, const RoughnessFilter& fi
 
 struct Roughness {
   double Sa = 0, Sq = 0, Sp = 0, Sv = 0, Sz = 0;  ///< [m]
-  double Ssk = 0, Sku = 0;                        ///< [1]; 0 for a flat surface
+  std::optional<double> Ssk, Sku;                 ///< [1]; nullopt for a flat surface, which has none
 };
 /// Of a prepared surface. Throws Error if every cell is a hole.
 Roughness roughness(const HeightGrid& prepared);
 
-/// Sal [m] of a prepared surface, linear between lags; nullopt if the autocorrelation stays above 0.2 up to half the
-/// shorter side of the grid, or the surface is flat.
-std::optional<double> autocorrelation_length(const HeightGrid& prepared);
+/// Sal [m] of a prepared surface, linear between lags; nullopt if the surface is flat, or the autocorrelation stays above 0.2 up to half the
+/// shorter side of the grid, or up to the lag within which lags times cells are `most_products`: 100 cells on a grid of 6 million. Each product takes
+/// about a nanosecond, so that the search ends within minutes on any grid.
+std::optional<double> autocorrelation_length(const HeightGrid& prepared, double most_products = 1e11);
 
 /// Standard errors from the size of the region: blocks of edge `block` [m] are drawn again and again with replacement
 /// (200 times, always the same draws), and the scatter of what they give is told. Blocks longer than the autocorrelation
 /// length are nearly independent. nullopt if fewer than eight blocks fit. Extremes have no such error.
 struct RoughnessError {
-  double mean = 0, Sa = 0, Sq = 0, Ssk = 0, Sku = 0;  ///< `mean`: of the heights of `surface` [m]
+  double mean = 0, Sa = 0, Sq = 0;  ///< `mean`: of the heights of `surface` [m]
+  std::optional<double> Ssk, Sku;   ///< nullopt for a flat surface
   int blocks = 0;
 };
 std::optional<RoughnessError> block_bootstrap(const HeightGrid& surface, const HeightGrid& prepared, double block);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/bed_structure.hpp"
 #include "core/error.hpp"
 #include "core/hdf5_file.hpp"
 #include "core/recording_model.hpp"
@@ -16,16 +17,6 @@ namespace {
 constexpr double resting = 0.01;   // of sqrt(g d)
 constexpr double in_the_air = 5;   // times sqrt(d/g)
 constexpr const char* remedy = "remove the folder; the bed is then made anew";
-
-double mean_diameter(const Model& model) {
-  double sum = 0, n = 0;
-  for (const Body& body : model.bodies) {
-    if (body.role != BodyRole::grain) continue;
-    sum += 2 * body.radius;
-    n += 1;
-  }
-  return n > 0 ? sum / n : 0;
-}
 
 Bed read_bed(const std::filesystem::path& file, const Model& model) {
   const Hdf5Reader in(file, remedy);

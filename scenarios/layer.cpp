@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/render/height_picture.hpp"
+#include "core/areal_filter.hpp"
 #include "core/scene_yaml.hpp"
 #include "scenarios/bed.hpp"
 #include "scenarios/installation.hpp"
@@ -24,11 +25,9 @@ std::filesystem::path scene_file(const Options& options) {
 }
 
 /// How much higher the surface stands after than before; the Gaussian mean over a square's edge, because cell by cell a grain that
-/// rolled aside is a spot of its own height. Black where there is a hole in either.
+/// rolled aside is a spot of its own height.
 std::string draw_thickness(const LayerMeasurement& m, double square) {
-  HeightGrid map = m.after.grid;
-  for (std::size_t k = 0; k < map.height.size(); ++k) map.height[k] -= m.before.grid.height[k];
-  map = gaussian_mean(map, square);
+  const HeightGrid map = gaussian_mean(m.thickness_map, std::max(square, least_filter_cells * m.thickness_map.cell));
   const HeightFigures f = height_figures(map);
   const double low = f.quantile[1], high = f.quantile[7];
   return encode_png(height_picture({{"layer thickness", map.nx, map.ny, &map.height}}, map.cell, low, high > low ? high : low + map.cell, "thickness"));
@@ -43,6 +42,12 @@ std::string draw_surfaces(const LayerMeasurement& m) {
                                    high > low ? high : low + m.after.grid.cell, "height"));
 }
 
+/// Where powder does not hide the plate, Sa is that of grains and plate together.
+std::string uncovered(const BedSurface& s) {
+  if (s.coverage == 0) return "   bare plate";
+  return s.coverage < 1 ? fmt::format("   grains over {:.1f} % of the plate", 100 * s.coverage) : "";
+}
+
 void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& path, const Bed& bed, const RunReport& report,
           const Options& options) {
   constexpr double um = 1e6;
@@ -53,14 +58,22 @@ void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& pat
              (path.lowest - setup.plate - m.before.heights.mean) * um);
   fmt::print("{:<17}{:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "surface [um]", "mean", "min", "max", "sd", "Sa", "Sq", "packing");
   for (const auto& [name, s] : {std::pair{"  before", &m.before}, {"  after", &m.after}})
-    fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.3f}\n", name, s->heights.mean * um, s->heights.min * um,
-               s->heights.max * um, s->heights.sd * um, s->roughness.Sa * um, s->roughness.Sq * um, s->packing.fraction);
+    fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>9}{}\n", name, s->heights.mean * um, s->heights.min * um,
+               s->heights.max * um, s->heights.sd * um, s->roughness.Sa * um, s->roughness.Sq * um,
+               s->packing.fraction ? fmt::format("{:.3f}", *s->packing.fraction) : "-", uncovered(*s));
+  const std::size_t squares = m.after.highest.top.size();
   fmt::print("highest grains of squares of {:.0f} um\n", setup.square * um);
   for (const auto& [name, f] : {std::pair{"  centres before", &m.before.centres}, {"  centres after", &m.after.centres},
                                 {"  tops before", &m.before.tops}, {"  tops after", &m.after.tops}})
-    fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f}\n", name, f->mean * um, f->min * um, f->max * um, f->sd * um);
+    if (f->n > 0)
+      fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f}{}\n", name, f->mean * um, f->min * um, f->max * um, f->sd * um,
+                 f->n < squares ? fmt::format("   of {} of {} squares", f->n, squares) : "");
+    else
+      fmt::print("{:<17}{:>10} {:>9} {:>9} {:>9}   of no square\n", name, "-", "-", "-", "-");
   const SpreaderLoad& l = m.load;
-  fmt::print("layer            {:.2f} um thick in the mean; {} grains came into the region\n", m.thickness.mean * um, m.moved_in);
+  fmt::print("layer            {:.2f} um thick in the mean (standard error {}); {} grains came into the region\n", m.thickness.mean * um,
+             m.thickness_se ? fmt::format("{:.2f} um", *m.thickness_se * um) : "not known", m.moved_in);
+  if (m.solid_of_gap) fmt::print("solid that came  {:.2f} um of volume per area, {:.3f} of the gap\n", m.solid_per_area * um, *m.solid_of_gap);
   fmt::print("force            [{:.3g}, {:.3g}, {:.3g}] N, torque about y {:.3g} N m: mean of {} converged of {} steps over the region\n",
              l.force.x(), l.force.y(), l.force.z(), l.torque.y(), l.converged, l.steps);
   if (spreader_of(scene).yield)
@@ -73,10 +86,8 @@ void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& pat
     fmt::print("{:<17}{}\n", what, (options.out / file).string());
 }
 
-void warn_of_motion(const LayerMeasurement& m) {
-  if (m.at_rest) return;
-  fmt::print(stderr, "warning: the grains were not at rest when the surface after was measured (root mean square speed {:.2g} sqrt(g d))\n"
-             "  make layer.rest longer\n", m.speed_rms);
+void warn(const LayerMeasurement& m) {
+  for (const Doubt& doubt : doubts_of(m)) fmt::print(stderr, "warning: {}\n  {}\n", doubt.what, doubt.remedy);
 }
 
 /// A bed is kept however well its steps converged, so this is told whenever it is used.
@@ -131,7 +142,7 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
   write_result(options.out / "result.json", result.dump(2));
   tell(layer, scene, path, *bed, report, options);
-  warn_of_motion(layer);
+  warn(layer);
   return status;
 }
 

@@ -12,11 +12,12 @@ using nlohmann::json;
 constexpr double um = 1e6;
 
 void tell_surface(json& o, const std::string& when, const BedSurface& s) {
-  const std::pair<const char*, double> values[] = {
+  const auto of_squares = [](const HeightFigures& f) { return f.n > 0 ? std::optional(f.sd) : std::nullopt; };
+  const std::pair<const char*, std::optional<double>> values[] = {
       {"Sa", s.roughness.Sa},       {"Sq", s.roughness.Sq},           {"Sz", s.roughness.Sz},     {"Ssk", s.roughness.Ssk},
       {"mean", s.heights.mean},     {"p0.1", s.heights.quantile.front()}, {"p99.9", s.heights.quantile.back()},
-      {"packing", s.packing.fraction}, {"coverage", s.coverage},      {"sd_centres", s.centres.sd}, {"sd_tops", s.tops.sd}};
-  for (const auto& [name, value] : values) o[name + ("_" + when)] = value;
+      {"packing", s.packing.fraction}, {"coverage", s.coverage},      {"sd_centres", of_squares(s.centres)}, {"sd_tops", of_squares(s.tops)}};
+  for (const auto& [name, value] : values) o[name + ("_" + when)] = value ? json(*value) : json(nullptr);
 }
 
 json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
@@ -44,12 +45,10 @@ json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
   o["converged_fraction"] = report.converged_fraction;
   o["iterations_mean"] = report.iterations_mean;
   o["residual_max"] = report.residual_max;
-  double diameters = 0;
-  for (const Body& body : model.bodies) diameters += body.role == BodyRole::grain ? 2 * body.radius : 0;
   const double grains = static_cast<double>(model.grain_count());
   if (grains > 0) {
     o["contacts_per_grain"] = report.contacts_mean / grains;
-    o["penetration_diameters"] = report.max_penetration / (diameters / grains);
+    o["penetration_diameters"] = report.max_penetration / mean_diameter(model);
   }
   o["wall_s"] = report.wall_s;
   o["bed_wall_s"] = layer.bed->wall_s;

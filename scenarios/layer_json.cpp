@@ -12,35 +12,40 @@ using nlohmann::json;
 json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 json vector_json(const Vec2& v) { return {v.x(), v.y()}; }
 
+/// null: not known.
+json known(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
+
 json figures_json(const HeightFigures& f) {
+  const auto of_some = [&](double value) { return f.n > 0 ? json(value) : json(nullptr); };
   json quantiles = json::object();
-  for (std::size_t k = 0; k < told_shares.size(); ++k) quantiles[fmt::format("{:g}", 100 * told_shares[k])] = f.quantile[k];
-  return {{"n", f.n}, {"mean", f.mean}, {"sd", f.sd}, {"min", f.min}, {"max", f.max}, {"quantiles_percent", quantiles}};
+  for (std::size_t k = 0; k < told_shares.size(); ++k) quantiles[fmt::format("{:g}", 100 * told_shares[k])] = of_some(f.quantile[k]);
+  return {{"n", f.n}, {"mean", of_some(f.mean)}, {"sd", of_some(f.sd)}, {"min", of_some(f.min)}, {"max", of_some(f.max)}, {"quantiles_percent", quantiles}};
 }
 
 json surface_json(const BedSurface& s) {
   const Roughness& r = s.roughness;
   json out = figures_json(s.heights);
-  out.update({{"Sa", r.Sa}, {"Sq", r.Sq}, {"Sp", r.Sp}, {"Sv", r.Sv}, {"Sz", r.Sz}, {"Ssk", r.Ssk}, {"Sku", r.Sku}});
-  out["Sal"] = s.Sal ? json(*s.Sal) : json(nullptr);
+  out.update({{"Sa", r.Sa}, {"Sq", r.Sq}, {"Sp", r.Sp}, {"Sv", r.Sv}, {"Sz", r.Sz}, {"Ssk", known(r.Ssk)}, {"Sku", known(r.Sku)}});
+  out["Sal"] = known(s.Sal);
   out["coverage"] = s.coverage;
   out["standard_errors"] = nullptr;
   if (s.error)
-    out["standard_errors"] = {{"mean", s.error->mean}, {"Sa", s.error->Sa},   {"Sq", s.error->Sq},
-                              {"Ssk", s.error->Ssk},   {"Sku", s.error->Sku}, {"blocks", s.error->blocks}};
+    out["standard_errors"] = {{"mean", s.error->mean},       {"Sa", s.error->Sa},         {"Sq", s.error->Sq},
+                              {"Ssk", known(s.error->Ssk)}, {"Sku", known(s.error->Sku)}, {"blocks", s.error->blocks}};
   out["highest_grains"] = {{"square", s.highest.square}, {"centre", figures_json(s.centres)}, {"top", figures_json(s.tops)}};
   return out;
 }
 
 json packing_json(const Packing& p) {
+  const auto of_some = [&](double value) { return p.pores > 0 ? json(value) : json(nullptr); };
   return {{"slab", p.slab},
           {"solid", p.solid},
           {"below_surface", p.below_surface},
-          {"fraction", p.fraction},
-          {"se", p.se ? json(*p.se) : json(nullptr)},
+          {"fraction", known(p.fraction)},
+          {"se", known(p.se)},
           {"solid_volume", p.solid_volume},
           {"volume", p.volume},
-          {"pore_chords", {{"n", p.pores}, {"mean", p.pore_mean}, {"median", p.pore_median}, {"p95", p.pore_p95}}}};
+          {"pore_chords", {{"n", p.pores}, {"mean", of_some(p.pore_mean)}, {"median", of_some(p.pore_median)}, {"p95", of_some(p.pore_p95)}}}};
 }
 
 json bins_json(const std::vector<SegregationBin>& bins, const std::vector<std::string>& kinds) {
@@ -59,14 +64,14 @@ json segregation_json(const Segregation& s) {
 
 /// null where no step converged: nothing is known then.
 json load_json(const SpreaderLoad& l) {
-  const auto known = [&](json value) { return l.converged > 0 ? std::move(value) : json(nullptr); };
-  return {{"force", known(vector_json(l.force))},
-          {"torque", known(vector_json(l.torque))},
+  const auto of_some = [&](json value) { return l.converged > 0 ? std::move(value) : json(nullptr); };
+  return {{"force", of_some(vector_json(l.force))},
+          {"torque", of_some(vector_json(l.torque))},
           {"force_se", l.force_se ? vector_json(*l.force_se) : json(nullptr)},
           {"torque_se", l.torque_se ? vector_json(*l.torque_se) : json(nullptr)},
-          {"largest_force", known(l.largest)},
-          {"rise", known(l.rise)},
-          {"largest_rise", known(l.rise_largest)},
+          {"largest_force", of_some(l.largest)},
+          {"rise", of_some(l.rise)},
+          {"largest_rise", of_some(l.rise_largest)},
           {"steps", l.steps},
           {"converged_steps", l.converged},
           {"residual_max", l.residual_max}};
@@ -80,12 +85,14 @@ json layer_json(const LayerMeasurement& m, const LayerSetup& setup, const Spread
   out["surface"] = {{"before", surface_json(m.before)},
                     {"after", surface_json(m.after)},
                     {"region", {{"lower", vector_json(setup.lower)}, {"upper", vector_json(setup.upper)}, {"plate", setup.plate}}},
+                    {"holes_show_plate", !m.beside_plate.has_value()},
                     {"cell", setup.cell},
                     {"filter", {{"F", "least-squares plane"}, {"S", setup.s_filter}, {"L", setup.l_filter}}},
                     {"unit", "m"}};
-  out["packing_fraction"] = {{"before", m.before.packing.fraction}, {"after", m.after.packing.fraction}};
-  out["packing"] = {{"before", packing_json(m.before.packing)}, {"after", packing_json(m.after.packing)}, {"solid_per_area", m.solid_per_area}};
+  out["packing_fraction"] = {{"before", known(m.before.packing.fraction)}, {"after", known(m.after.packing.fraction)}};
+  out["packing"] = {{"before", packing_json(m.before.packing)}, {"after", packing_json(m.after.packing)}, {"solid_per_area", m.solid_per_area}, {"solid_of_gap", known(m.solid_of_gap)}};
   out["thickness"] = figures_json(m.thickness);
+  out["thickness"]["se"] = known(m.thickness_se);
   out["segregation"] = {{"before", segregation_json(m.before.segregation)}, {"after", segregation_json(m.after.segregation)}};
   out["roller"] = load_json(m.load);
   out["spreader"] = {{"name", setup.spreader},       {"lowest_above_plate", path.lowest - setup.plate},

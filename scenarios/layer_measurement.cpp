@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "analysis/statistics.hpp"
 #include "scenarios/bed.hpp"
 
 namespace repose {
 namespace {
 
-double mean_diameter(const Model& model) {
-  double sum = 0, n = 0;
-  for (const Body& body : model.bodies)
-    if (body.role == BodyRole::grain) {
-      sum += 2 * body.radius;
-      n += 1;
-    }
-  return n > 0 ? sum / n : 0;
+/// Blocks of three diameters are several autocorrelation lengths wide; where that length was not found none is known to be wide enough. A flat surface has
+/// no scatter at any width.
+std::optional<RoughnessError> error_of(const HeightGrid& surface, const HeightGrid& prepared, const std::optional<double>& Sal, double diameter) {
+  if (!Sal && roughness(prepared).Sq > 0) return std::nullopt;
+  return block_bootstrap(surface, prepared, std::max(3 * diameter, 4 * Sal.value_or(0)));
 }
 
 BedSurface measure_surface(const LayerSetup& layer, const Model& model, const Snapshot& state) {
@@ -24,17 +23,18 @@ BedSurface measure_surface(const LayerSetup& layer, const Model& model, const Sn
   const double diameter = mean_diameter(model);
   BedSurface s;
   s.grid = height_grid(model, state, region, layer.cell);
-  s.prepared = prepared_surface(s.grid, {layer.s_filter, layer.l_filter});
-  s.heights = height_figures(s.grid);
-  s.coverage = static_cast<double>(s.heights.n) / static_cast<double>(s.grid.height.size());
+  s.coverage = coverage(s.grid);
+  s.surface = on_plate(s.grid);
+  s.prepared = prepared_surface(s.surface, {layer.s_filter, layer.l_filter});
+  s.heights = height_figures(s.surface);
   s.roughness = roughness(s.prepared);
   s.Sal = autocorrelation_length(s.prepared);
-  // Blocks of three diameters are several autocorrelation lengths wide.
-  s.error = block_bootstrap(s.grid, s.prepared, std::max(3 * diameter, 4 * s.Sal.value_or(0)));
+  s.error = error_of(s.surface, s.prepared, s.Sal, diameter);
   s.highest = highest_grains(model, state, region, layer.square);
   s.centres = height_figures(s.highest.centre);
   s.tops = height_figures(s.highest.top);
-  s.packing = packing_of_bed(model, state, region, std::max(layer.cell, diameter / 12), diameter / 4, 3 * diameter);
+  const double spacing = std::min(std::max(layer.cell, diameter / 12), (layer.upper - layer.lower).minCoeff());
+  s.packing = packing_of_bed(model, state, region, spacing, diameter / 4, 3 * diameter);
   s.segregation = segregation(model, state, region, diameter);
   return s;
 }
@@ -88,11 +88,18 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
   m.after = measure_surface(layer, model, after);
   m.at_rest = grains_rest(model, after, layer.plate);
   m.speed_rms = speed_of_grains(model, after, layer.plate);
+  m.thickness_map = m.after.surface;
   std::vector<double> thickness;
-  for (std::size_t k = 0; k < m.after.grid.height.size(); ++k)
-    thickness.push_back(static_cast<double>(m.after.grid.height[k]) - m.before.grid.height[k]);
+  for (std::size_t k = 0; k < m.after.surface.height.size(); ++k) {
+    thickness.push_back(static_cast<double>(m.after.surface.height[k]) - m.before.surface.height[k]);
+    m.thickness_map.height[k] -= m.before.surface.height[k];
+  }
   m.thickness = height_figures(std::move(thickness));
+  const HeightGrid uneven = prepared_surface(m.thickness_map, {});
+  if (const auto error = error_of(m.thickness_map, uneven, autocorrelation_length(uneven), mean_diameter(model))) m.thickness_se = error->mean;
+  m.beside_plate = hole_beside_plate(model, after, m.after.grid);
   m.solid_per_area = (m.after.packing.solid_volume - m.before.packing.solid_volume) / m.after.packing.area;
+  if (const double gap = lowest - layer.plate - m.before.heights.mean; gap > 0) m.solid_of_gap = m.solid_per_area / gap;
   m.passed = m.after.heights.quantile[7] - (lowest - layer.plate);
   // Over the region, while it moves.
   m.load = measure_load(steps, (layer.lower.x() - from) / layer.speed, (std::min(layer.upper.x(), layer.to) - from) / layer.speed);
@@ -110,6 +117,19 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
     m.lost += after.position[i].z() < layer.plate;
   }
   return m;
+}
+
+std::vector<Doubt> doubts_of(const LayerMeasurement& m) {
+  std::vector<Doubt> doubts;
+  if (!m.at_rest)
+    doubts.push_back({fmt::format("the grains were not at rest when the surface after was measured (root mean square speed {:.2g} sqrt(g d))", m.speed_rms),
+                      "make layer.rest longer"});
+  if (m.after.coverage == 0) doubts.push_back({"no grain lies over the region after the spreading", "move layer.region to where the powder comes, or make the pile larger"});
+  if (m.beside_plate)
+    doubts.push_back({fmt::format("no grain lies over x = {:.4g} m, y = {:.4g} m after the spreading, and the plate is not there either; such places count as height 0", m.beside_plate->x(),
+                                  m.beside_plate->y()),
+                      "make layer.region smaller, or layer.plate the height of the solid under it"});
+  return doubts;
 }
 
 }  // namespace repose

@@ -1,6 +1,7 @@
 #pragma once
 /// Everything that is measured on a layer, before and after.
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "analysis/bed_structure.hpp"
@@ -13,15 +14,16 @@ namespace repose {
 
 /// One state of the bed.
 struct BedSurface {
-  HeightGrid grid;
+  HeightGrid grid;              ///< with holes where no grain stands
+  HeightGrid surface;           ///< the plate in the holes: all figures are of it
   HeightGrid prepared;          ///< plane removed, filtered
   HeightFigures heights;        ///< of the cells
-  double coverage = 0;          ///< share of the cells that are no holes
+  double coverage = 0;          ///< share of the cells over which a grain stands
   Roughness roughness;
   std::optional<double> Sal;    ///< [m]
-  std::optional<RoughnessError> error;
+  std::optional<RoughnessError> error;  ///< nullopt if the region is too small, or the surface correlates too far, to tell
   HighestGrains highest;
-  HeightFigures centres, tops;  ///< of the highest grains
+  HeightFigures centres, tops;  ///< of the highest grains; n = 0, and nothing known, if no square has one
   Packing packing;
   Segregation segregation;
 };
@@ -40,18 +42,29 @@ struct LayerMeasurement {
   BedSurface before, after;
   bool at_rest = false;              ///< of the grains after; else the surface is that of grains which still move
   double speed_rms = 0;              ///< of them, in sqrt(g d)
-  HeightFigures thickness;           ///< after minus before, cell by cell
+  HeightGrid thickness_map;          ///< after minus before, the plate in the holes of either
+  HeightFigures thickness;           ///< of its cells
+  std::optional<double> thickness_se;  ///< of its mean: of the difference itself, for before and after hold much of the same
   double solid_per_area = 0;         ///< solid volume that came, per area [m]; negative if more left. It may exceed the thickness, for the spreader compacts the
                                      ///< bed below as well
+  std::optional<double> solid_of_gap;  ///< `solid_per_area` over the gap between the mean surface before and the spreader [1]; nullopt without a gap. How densely
+                                       ///< a single layer lies, which its packing fraction does not tell
   double passed = 0;                 ///< 99 % quantile of the heights after, against the lowest line of the spreader [m]
   SpreaderLoad load;
   double mass_in_region_before = 0, mass_in_region_after = 0, mass = 0;  ///< [kg]
   std::size_t moved_in = 0;          ///< grains in the region that were outside before
   std::size_t lost = 0;              ///< grains that lie below the plate
+  std::optional<Vec2> beside_plate;  ///< a hole after that does not show the plate: its height is not known, and counts as 0
 };
 
 /// `from`, `speed`: the path of the lowest line.
 LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, const Snapshot& before, const Snapshot& after,
                                const std::vector<StepRecord>& steps, double lowest, double from);
+
+/// Why figures of a measurement are to be doubted, and what mends it.
+struct Doubt {
+  std::string what, remedy;
+};
+std::vector<Doubt> doubts_of(const LayerMeasurement& layer);
 
 }  // namespace repose

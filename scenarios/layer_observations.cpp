@@ -4,7 +4,7 @@ namespace repose {
 std::string unit_of_load(const std::string& series) { return series == "roller_torque" ? "N m" : "N"; }
 
 Observation surface_of(const SpreadLayer& layer, const std::string& name, std::size_t most) {
-  const HeightGrid& grid = (name == "layer_before" ? layer.measured.before : layer.measured.after).grid;
+  const HeightGrid& grid = (name == "layer_before" ? layer.measured.before : layer.measured.after).surface;
   int stride = 1;
   const auto places = [&] {
     return static_cast<std::size_t>((grid.nx + stride - 1) / stride) * static_cast<std::size_t>((grid.ny + stride - 1) / stride);

@@ -12,7 +12,7 @@ namespace repose {
 std::string unit_of_load(const std::string& series);
 
 /// Heights above the plate [m] over the region, at the middles of the cells: every one, or every n-th along both axes so that there are no
-/// more than `most` places. NaN: a hole. `name`: layer_before or layer_after.
+/// more than `most` places. Where no grain stands the plate shows: 0. `name`: layer_before or layer_after.
 Observation surface_of(const SpreadLayer& layer, const std::string& name, std::size_t most);
 
 /// The loads on the spreader, series as told_of_a_layer() names them [N], [N m] (torque about y at its centre): at the end of every step, times from

@@ -15,6 +15,7 @@ namespace {
 using namespace report;
 
 constexpr double um = 1e6, mm = 1e3;
+const std::string dash = "–";  // not known
 
 /// The bed with the spreader over the middle of the region, from the frame nearest to that time.
 std::optional<Picture> bed_picture(const LayerReportInput& in) {
@@ -40,10 +41,10 @@ std::optional<Picture> bed_picture(const LayerReportInput& in) {
 
 Chart profile_chart(const LayerReportInput& in) {
   Chart chart;
-  const HeightGrid &b = in.layer.before.grid, &a = in.layer.after.grid;
+  const HeightGrid &b = in.layer.before.surface, &a = in.layer.after.surface;
   const int row = a.ny / 2;
   chart.title = "Profile along the travel";
-  chart.caption = fmt::format("Height of the surface along the line y = {:.3f} mm, before and after; gaps are holes down to the plate.",
+  chart.caption = fmt::format("Height of the surface along the line y = {:.3f} mm, before and after; 0 is the plate.",
                               a.middle(0, row).y() * mm);
   chart.x = {"x", "mm"};
   chart.y = {"height above the plate", "µm"};
@@ -51,7 +52,7 @@ Chart profile_chart(const LayerReportInput& in) {
     Series s{name, {}, {}, {}, Series::Style::line, false};
     for (int i = 0; i < grid->nx; ++i) {
       s.x.push_back(grid->middle(i, row).x() * mm);
-      s.y.push_back(grid->is_hole(i, row) ? std::numeric_limits<double>::quiet_NaN() : grid->at(i, row) * um);
+      s.y.push_back(grid->at(i, row) * um);
     }
     chart.series.push_back(std::move(s));
   }
@@ -59,13 +60,13 @@ Chart profile_chart(const LayerReportInput& in) {
   return chart;
 }
 
+/// Shares of all places; NaN: none of a height.
 Series histogram(const char* name, const std::vector<double>& heights, double low, double high, bool dashed) {
   constexpr int bins = 60;
   std::vector<double> count(bins, 0);
-  double n = 0;
+  const double n = static_cast<double>(heights.size());
   for (double z : heights) {
     if (std::isnan(z)) continue;
-    n += 1;
     count[static_cast<std::size_t>(std::clamp(static_cast<int>((z - low) / (high - low) * bins), 0, bins - 1))] += 1;
   }
   Series s{name, {}, {}, {}, Series::Style::line, dashed};
@@ -198,12 +199,16 @@ Table surface_table(const LayerMeasurement& m, const LayerSetup& setup) {
   Table t;
   t.title = "Surface";
   t.header = {"µm", "before", "after"};
-  const auto row = [&](const char* name, double before, double after, double unit = um) {
-    t.rows.push_back({name, fmt::format("{:.2f}", before * unit), fmt::format("{:.2f}", after * unit)});
+  using Known = std::optional<double>;
+  const auto row = [&](const char* name, Known before, Known after, double unit = um) {
+    const auto cell = [&](Known value) { return value ? fmt::format("{:.2f}", *value * unit) : dash; };
+    t.rows.push_back({name, cell(before), cell(after)});
   };
-  const auto with = [&](const char* name, double before, double after, double RoughnessError::*error, double unit = um) {
-    const auto cell = [&](double value, const BedSurface& s) {
-      return s.error ? rounded(value * unit, (*s.error).*error * unit) : fmt::format("{:.2f}", value * unit);
+  const auto with = [&](const char* name, Known before, Known after, auto error, double unit = um) {
+    const auto cell = [&](Known value, const BedSurface& s) {
+      if (!value) return dash;
+      const Known se = s.error ? Known((*s.error).*error) : std::nullopt;
+      return se && *se > 0 ? rounded(*value * unit, *se * unit) : fmt::format("{:.2f}", *value * unit);
     };
     t.rows.push_back({name, cell(before, m.before), cell(after, m.after)});
   };
@@ -219,9 +224,10 @@ Table surface_table(const LayerMeasurement& m, const LayerSetup& setup) {
   row("Sz", a.Sz, b.Sz);
   with("Ssk [1]", a.Ssk, b.Ssk, &RoughnessError::Ssk, 1);
   with("Sku [1]", a.Sku, b.Sku, &RoughnessError::Sku, 1);
-  row("Sal", m.before.Sal.value_or(std::nan("")), m.after.Sal.value_or(std::nan("")));
+  row("Sal", m.before.Sal, m.after.Sal);
   row("covered by grains [%]", m.before.coverage, m.after.coverage, 100);
-  t.notes = {fmt::format("ISO 25178-2, least-squares plane removed{}; uncertainties: block bootstrap over the region. Extremes depend on the area.", filters_in_words(setup))};
+  t.notes = {fmt::format("ISO 25178-2, least-squares plane removed{}; uncertainties: block bootstrap over the region. Extremes depend on the area. Where no grain stands the surface is the plate, height 0.{}", filters_in_words(setup),
+                         m.before.Sal && m.after.Sal ? "" : " –: not defined (a flat surface), or not found (correlated beyond half the region)")};
   return t;
 }
 
@@ -232,7 +238,7 @@ Table highest_table(const LayerMeasurement& m) {
   const HeightFigures* columns[] = {&m.before.centres, &m.after.centres, &m.before.tops, &m.after.tops};
   const auto row = [&](const std::string& name, auto value) {
     std::vector<std::string> cells{name};
-    for (const HeightFigures* f : columns) cells.push_back(fmt::format("{:.2f}", value(*f) * um));
+    for (const HeightFigures* f : columns) cells.push_back(f->n > 0 ? fmt::format("{:.2f}", value(*f) * um) : dash);
     t.rows.push_back(std::move(cells));
   };
   row("mean", [](const HeightFigures& f) { return f.mean; });
@@ -241,7 +247,8 @@ Table highest_table(const LayerMeasurement& m) {
   row("standard deviation", [](const HeightFigures& f) { return f.sd; });
   for (std::size_t k = 0; k < told_shares.size(); ++k)
     row(fmt::format("{:g} %", 100 * told_shares[k]), [k](const HeightFigures& f) { return f.quantile[k]; });
-  t.notes = {fmt::format("{} squares with a grain after.", m.after.tops.n)};
+  t.notes = {fmt::format("Of {} squares {} have the top of a grain before and {} after. A square without is left out, not taken for bare plate: a grain of the next may cover it.",
+                         m.after.highest.top.size(), m.before.tops.n, m.after.tops.n)};
   return t;
 }
 
@@ -253,21 +260,24 @@ Table bed_table(const LayerReportInput& in) {
   const auto row = [&](std::string a, std::string b, std::string c, std::string d) {
     t.rows.push_back({std::move(a), std::move(b), std::move(c), std::move(d)});
   };
-  // A dash: not known.
-  const auto with_error = [](double value, std::optional<double> se) { return se ? rounded(value, se) : rounded(value) + " ± –"; };
-  const auto packing = [&](const Packing& p) { return with_error(p.fraction, p.se); };
-  row("layer thickness, mean", fmt::format("{:.2f}", m.thickness.mean * um), "µm", "after minus before, cell by cell");
+  const auto with_error = [](double value, std::optional<double> se) { return se ? rounded(value, se) : rounded(value) + " ± " + dash; };
+  const auto packing = [&](const Packing& p) { return p.fraction ? with_error(*p.fraction, p.se) : dash; };
+  const auto pores = [](const Packing& p) { return p.pores > 0 ? fmt::format("{:.1f}", p.pore_mean * um) : dash; };
+  row("layer thickness, mean", with_error(m.thickness.mean * um, m.thickness_se ? std::optional(*m.thickness_se * um) : std::nullopt), "µm",
+      "after minus before, cell by cell; block bootstrap of the difference");
   row("layer thickness, 5 % to 95 %", fmt::format("{:.1f} to {:.1f}", m.thickness.quantile[2] * um, m.thickness.quantile[6] * um), "µm", "");
   row("packing fraction before", packing(m.before.packing), "1", "solid share between plate and surface");
   row("packing fraction after", packing(m.after.packing), "1", "");
   row("solid volume that came", fmt::format("{:.2f}", m.solid_per_area * um), "µm", "per area; may exceed the thickness, for the spreader compacts the bed below");
-  row("pores, mean upright chord", fmt::format("{:.1f} → {:.1f}", m.before.packing.pore_mean * um, m.after.packing.pore_mean * um), "µm", "before → after");
+  row("solid volume that came, of the gap", m.solid_of_gap ? rounded(*m.solid_of_gap) : dash, "1",
+      "of the gap between the mean surface before and the spreader: how densely a single layer lies, which its packing fraction does not tell");
+  row("pores, mean upright chord", fmt::format("{} → {}", pores(m.before.packing), pores(m.after.packing)), "µm", "before → after");
   row("mass in the region", fmt::format("{:.4g} → {:.4g}", m.mass_in_region_before * 1e9, m.mass_in_region_after * 1e9), "µg",
       fmt::format("of {:.4g} µg in all", m.mass * 1e9));
   row("grains that came into the region", fmt::format("{}", m.moved_in), "", "");
   const SpreaderLoad& l = m.load;
   const auto load = [&](const Vec3& mean, const std::optional<Vec3>& se, int axis, double unit) {
-    if (l.converged == 0) return std::string("–");
+    if (l.converged == 0) return dash;
     return with_error(mean[axis] * unit, se ? std::optional<double>((*se)[axis] * unit) : std::nullopt);
   };
   row("force along the travel", load(l.force, l.force_se, 0, um), "µN", "mean over the region, standard error from ten stretches");
@@ -291,33 +301,58 @@ Table bed_table(const LayerReportInput& in) {
 
 std::vector<double> as_doubles(const HeightGrid& g) { return {g.height.begin(), g.height.end()}; }
 
+std::vector<double> without_nan(std::vector<double> heights) {
+  std::erase_if(heights, [](double z) { return std::isnan(z); });
+  return heights;
+}
+
+/// "bare plate", "grains over 71 % of the plate"; empty where they cover all of it.
+std::string cover_in_words(const BedSurface& s) {
+  if (s.coverage == 0) return "bare plate";
+  return s.coverage < 1 ? fmt::format("grains over {:.1f} % of the plate", 100 * s.coverage) : "";
+}
+
+/// "before 12.34 µm", and how much of the plate was seen then.
+std::string before_in_words(const LayerMeasurement& m, const std::string& value) {
+  if (m.before.coverage == 0) return "before: bare plate";
+  const std::string cover = cover_in_words(m.before);
+  return "before " + value + (cover.empty() ? "" : ", " + cover);
+}
+
+std::vector<Headline> headlines_of(const LayerMeasurement& m) {
+  const std::string cover = cover_in_words(m.after);
+  std::vector<Headline> list;
+  list.push_back({"Sa after", m.after.roughness.Sa * um, m.after.error ? std::optional(m.after.error->Sa * um) : std::nullopt, "µm",
+                  (cover.empty() ? "" : cover + "; ") + before_in_words(m, fmt::format("{:.2f} µm", m.before.roughness.Sa * um))});
+  list.push_back({"Layer thickness", m.thickness.mean * um, m.thickness_se ? std::optional(*m.thickness_se * um) : std::nullopt, "µm", "mean over the region"});
+  if (m.after.packing.fraction)
+    list.push_back({"Packing fraction", *m.after.packing.fraction, m.after.packing.se, "",
+                    before_in_words(m, m.before.packing.fraction ? fmt::format("{:.3f}", *m.before.packing.fraction) : dash)});
+  return list;
+}
+
 }  // namespace
 
 report::Report layer_report(const LayerReportInput& in) {
   const LayerMeasurement& m = in.layer;
-  const auto error = [&](double RoughnessError::*which) {
-    return m.after.error ? std::optional<double>((*m.after.error).*which * um) : std::nullopt;
-  };
   Report page;
   page.title = "Layer";
   page.subtitle = fmt::format("{} grains, backend {}, seed {}", in.prepared.model.grain_count(), in.options.backend, in.options.seed);
-  page.headlines = {{"Sa after", m.after.roughness.Sa * um, error(&RoughnessError::Sa), "µm", fmt::format("before {:.2f} µm", m.before.roughness.Sa * um)},
-                    {"Layer thickness", m.thickness.mean * um, std::nullopt, "µm", "mean over the region"},
-                    {"Packing fraction", m.after.packing.fraction, m.after.packing.se, "", fmt::format("before {:.3f}", m.before.packing.fraction)}};
+  page.headlines = headlines_of(m);
   Warnings warnings;
   if (!in.bed.at_rest) warnings.items.push_back("the bed was not at rest when the spreader started: make layer.settle longer");
-  if (!m.at_rest)
-    warnings.items.push_back(fmt::format("the grains were not at rest when the surface after was measured (root mean square speed {:.2g} √(g d)): make layer.rest longer", m.speed_rms));
+  for (const Doubt& doubt : doubts_of(m)) warnings.items.push_back(doubt.what + ": " + doubt.remedy);
   if (in.bed.converged_contacts < least_converged)
     warnings.items.push_back(fmt::format("the solver converged for {:.1f} % of the contacts of the settling bed only: make layer.settle_time_step smaller", 100 * in.bed.converged_contacts));
   if (m.lost > 0) warnings.items.push_back(fmt::format("{} grains lie below the plate", m.lost));
   for (const Finding& f : in.prepared.findings) warnings.items.push_back(f.place + ": " + f.message);
   for (const std::string& name : in.prepared.unsupported) warnings.items.push_back("left out, the backend cannot do it: " + name);
-  page.sections.push_back({"", {warnings, Picture{in.surface_png, "The same region before and after, on one colour scale (0.1 % to 99.9 % of both), lit from the upper left; the spreader travels to the right. Black: holes.", ""}}});
+  page.sections.push_back({"", {warnings, Picture{in.surface_png, "The same region before and after, on one colour scale (0.1 % to 99.9 % of both), lit from the upper left; the spreader travels to the right. Black: the bare plate.", ""}}});
   Section surface{"Surface",
                   {profile_chart(in),
-                   histogram_chart("Heights", "Heights of the cells of the surface.", as_doubles(m.before.grid), as_doubles(m.after.grid)),
-                   histogram_chart("Highest grains, tops", "Highest point of the highest grain in each square.", m.before.highest.top, m.after.highest.top),
+                   histogram_chart("Heights", "Heights of the cells of the surface that grains cover, as shares of all cells.", as_doubles(m.before.grid), as_doubles(m.after.grid)),
+                   histogram_chart("Highest grains, tops", "Highest point of the highest grain in each square that has one.", without_nan(m.before.highest.top),
+                                   without_nan(m.after.highest.top)),
                    Picture{in.thickness_png, "Layer thickness: the surface after minus the surface before, mean over a Gaussian as wide as a square (1 % to 99 %).", ""},
                    surface_table(m, *in.prepared.scene.layer), highest_table(m)}};
   page.sections.push_back(std::move(surface));

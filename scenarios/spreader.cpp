@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "analysis/bed_structure.hpp"
 #include "core/error.hpp"
 #include "core/overlap.hpp"
 
@@ -123,13 +124,7 @@ SpreaderPath spreader_path(const Scene& scene, const Model& model, const Snapsho
   if (!(path.lowest > layer.plate))
     throw Error("layer.gap", "the spreader would cut into the plate", "make `gap` larger");
 
-  double diameter = 0, grains = 0;
-  for (const Body& body : model.bodies)
-    if (body.role == BodyRole::grain) {
-      diameter += 2 * body.radius;
-      grains += 1;
-    }
-  const double clearance = grains > 0 ? 0.01 * diameter / grains : 0;
+  const double clearance = 0.01 * mean_diameter(model);
   double farthest = layer.to;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Body& body = model.bodies[i];

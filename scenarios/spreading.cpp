@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "analysis/height_grid.hpp"
 #include "analysis/roughness.hpp"
 #include "core/error.hpp"
@@ -71,8 +73,13 @@ void check_spreading(const Scene& scene, const Options& options) { prepare_quiet
 Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options) {
   const LayerSetup& setup = *scene.layer;
   const SurfaceRegion region{setup.lower, setup.upper, setup.plate};
-  const HeightFigures heights = height_figures(height_grid(bed, settled, region, setup.cell));
-  if (heights.n == 0) throw Error("layer.region", "no grain lies over the region", "move the region to where the bed is");
+  const HeightGrid grid = height_grid(bed, settled, region, setup.cell);
+  if (const auto at = hole_beside_plate(bed, settled, grid))
+    throw Error("layer.region",
+                fmt::format("no grain lies over x = {:.4g} m, y = {:.4g} m, and no fixed solid has its top at layer.plate = {:.4g} m there: the height of the surface is not known",
+                            at->x(), at->y(), setup.plate),
+                "move the region to where the bed or the plate is, or make layer.plate the height of the solid under it");
+  const HeightFigures heights = height_figures(on_plate(grid));
   Spreading ready;
   ready.path = spreader_path(scene, bed, settled, heights.mean);
   ready.prepared = prepare_quietly(spreading_scene(scene, ready.path), options, [&](Model& model) {

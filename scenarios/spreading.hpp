@@ -26,8 +26,8 @@ Scene spreading_above_all(const Scene& scene);
 /// Before a bed has settled for hours: throws Error for a spreading scene that would be refused wherever its spreader begins.
 void check_spreading(const Scene& scene, const Options& options);
 
-/// Tells no findings; they are in the result. `bed`: the model of bed_scene(scene), and `settled` its state at rest. Throws Error if no
-/// grain lies over the region, and what spreader_path and prepare throw.
+/// Tells no findings; they are in the result. `bed`: the model of bed_scene(scene), and `settled` its state at rest; a bare plate is a bed too. Throws
+/// Error if neither a grain nor the plate is somewhere under the region, and what spreader_path and prepare throw.
 Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options);
 
 }  // namespace repose

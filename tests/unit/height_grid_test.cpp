@@ -187,6 +187,67 @@ TEST(HeightGrid, AgreesWithOpenVdbsLevelSet) {
   EXPECT_LT(sum / compared, 0.02 * voxel);
 }
 
+TEST(HeightGrid, HolesShowThePlate) {
+  const Heap heap = scattered(40, 3);
+  const HeightGrid holed = height_grid(heap.model, heap.state, region, 0.1), whole = on_plate(holed);
+  std::size_t holes = 0;
+  for (std::size_t k = 0; k < holed.height.size(); ++k) {
+    holes += std::isnan(holed.height[k]);
+    EXPECT_EQ(whole.height[k], std::isnan(holed.height[k]) ? 0 : holed.height[k]);
+  }
+  EXPECT_GT(holes, 10U);
+  EXPECT_NEAR(coverage(holed), 1 - static_cast<double>(holes) / static_cast<double>(holed.height.size()), 1e-12);
+  EXPECT_EQ(coverage(whole), 1);
+}
+
+// A hole is the plate only where the plate is: not beside it, not where a wall stands, not if the plate is at another height.
+TEST(HeightGrid, AHoleIsThePlateOnlyWhereThePlateIs) {
+  Heap heap = scattered(3, 3);
+  const HeightGrid grid = height_grid(heap.model, heap.state, region, 0.1);
+  const auto with_box = [&](const Vec3& centre, const Vec3& half) {
+    Heap h = heap;
+    Shape box;
+    box.kind = "box";
+    box.parts = {Part{Box{half}, {}}};
+    box.bounding_radius = half.norm();
+    h.model.shapes.push_back(box);
+    Body body;
+    body.shape = static_cast<int>(h.model.shapes.size()) - 1;
+    body.dynamic = false;
+    body.role = BodyRole::tool;
+    h.model.bodies.push_back(body);
+    h.state.position.push_back(centre);
+    h.state.orientation.push_back(Quat::Identity());
+    h.state.velocity.push_back(Vec3::Zero());
+    h.state.angular_velocity.push_back(Vec3::Zero());
+    return h;
+  };
+  const auto beside = [&](const Heap& h) { return hole_beside_plate(h.model, h.state, grid); };
+  EXPECT_TRUE(beside(heap)) << "no plate at all";
+  const Heap plate = with_box({3, 2, region.plate - 1}, {4, 3, 1});
+  EXPECT_FALSE(beside(plate));
+  EXPECT_TRUE(beside(with_box({3, 2, region.plate - 1.02}, {4, 3, 1}))) << "below, by two tenths of a cell";
+  EXPECT_TRUE(beside(with_box({3, 2, region.plate - 0.9}, {4, 3, 1}))) << "above";
+  const std::optional<Vec2> edge = beside(with_box({3, 2, region.plate - 1}, {2, 3, 1}));
+  ASSERT_TRUE(edge);
+  EXPECT_LT(std::abs(edge->x() - 3), 3.01);
+  EXPECT_GT(std::abs(edge->x() - 3), 2);
+  // On the plate a wall in the middle; its images hold the plate together in a periodic cell.
+  heap = plate;
+  EXPECT_TRUE(beside(with_box({3, 2, region.plate + 0.5}, {0.5, 0.5, 0.5})));
+  heap = scattered(3, 3);
+  Heap repeated = with_box({0, 2, region.plate - 1}, {3, 3, 1});
+  EXPECT_TRUE(beside(repeated));
+  repeated.model.periodic = {{0, 0, 0}, {6, 0, 0}};
+  EXPECT_FALSE(beside(repeated));
+}
+
+TEST(HeightGrid, TellsNoPlaceWhereGrainsHideEverything) {
+  Heap heap = synthetic::empty_heap(1);
+  synthetic::add_sphere(heap, Vec3(3, 2, 0), 9);
+  EXPECT_FALSE(hole_beside_plate(heap.model, heap.state, height_grid(heap.model, heap.state, region, 0.1)));
+}
+
 TEST(HighestGrains, OfEachSquareByCentreAndByTop) {
   Heap heap = synthetic::empty_heap(1);
   synthetic::add_sphere(heap, Vec3(0.5, 0.5, 1), 0.4);  // small, its centre the highest of the square
@@ -198,6 +259,55 @@ TEST(HighestGrains, OfEachSquareByCentreAndByTop) {
   EXPECT_DOUBLE_EQ(h.top[0], 1.25);
   EXPECT_TRUE(std::isnan(h.centre[1]));
   EXPECT_DOUBLE_EQ(h.top[2], 2.05);
+}
+
+TEST(PackingOfBed, OfABarePlateIsNotDefined) {
+  Heap heap = synthetic::empty_heap(1);
+  synthetic::add_sphere(heap, Vec3(50, 50, 1), 0.5);
+  const Packing p = packing_of_bed(heap.model, heap.state, region, 0.1, 0.5, 0.5);
+  EXPECT_FALSE(p.fraction);
+  EXPECT_FALSE(p.se);
+  EXPECT_EQ(p.solid_volume, 0);
+  EXPECT_EQ(p.pores, 0U);
+  EXPECT_NEAR(p.area, 24, 1e-9);
+}
+
+// Large balls below, small ones on top, at the far end one of another shape.
+TEST(Segregation, TellsSizesAndShapesByHeightAndAlongTheTravel) {
+  Heap heap = synthetic::empty_heap(1);
+  Shape other = synthetic::unit_sphere();
+  other.kind = "other";
+  heap.model.shapes.push_back(other);
+  const auto add = [&](double x, double z, double radius) { synthetic::add_sphere(heap, Vec3(x, 1, z), radius); };
+  for (int k = 0; k < 4; ++k) add(0.5 + k, 0.75, k % 2 == 0 ? 0.4 : 0.5);  // heights 0.5 above the plate
+  for (int k = 0; k < 3; ++k) add(0.5 + k, 1.75, 0.2);                     // 1.5
+  add(5.7, 1.75, 0.2);
+  heap.model.bodies.back().shape = 1;
+  add(7, 0.75, 9);     // outside the region
+  add(0.5, 0.1, 9);    // below the plate
+  EXPECT_NEAR(mean_diameter(heap.model), (2 * 0.8 + 2 * 1.0 + 4 * 0.4 + 2 * 18) / 10, 1e-12);
+  const Segregation s = segregation(heap.model, heap.state, region, 1);
+  EXPECT_EQ(s.kinds, (std::vector<std::string>{"other", "sphere"}));
+  ASSERT_EQ(s.by_height.size(), 2U);
+  const SegregationBin &low = s.by_height[0], &high = s.by_height[1];
+  EXPECT_EQ(low.from, 0);
+  EXPECT_EQ(high.to, 2);
+  EXPECT_EQ(low.grains, 4U);
+  EXPECT_NEAR(low.size, 0.9, 1e-12);
+  EXPECT_NEAR(low.size_se, std::sqrt(4 * 0.01 / 3) / 2, 1e-12);
+  EXPECT_EQ(low.share, (std::vector<double>{0, 1}));
+  EXPECT_EQ(high.grains, 4U);
+  EXPECT_NEAR(high.size, 0.4, 1e-12);
+  EXPECT_NEAR(high.share[0], 0.25, 1e-12);
+  EXPECT_NEAR(high.share_se[0], std::sqrt(0.25 * 0.75 / 4), 1e-12);
+  // Ten bins of 0.6 along x; those without a grain are left out.
+  ASSERT_EQ(s.by_x.size(), 5U);
+  EXPECT_NEAR(s.by_x.front().from, 0, 1e-12);
+  EXPECT_EQ(s.by_x.front().grains, 2U);
+  EXPECT_NEAR(s.by_x.front().size, (0.8 + 0.4) / 2, 1e-12);
+  EXPECT_NEAR(s.by_x.back().to, 6, 1e-12);
+  EXPECT_EQ(s.by_x.back().share, (std::vector<double>{1, 0}));
+  EXPECT_THROW(segregation(heap.model, heap.state, region, 0), Error);
 }
 
 TEST(PackingOfBed, CubicLatticeWithItsPores) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 
 #include "core/error.hpp"
 
@@ -36,6 +37,24 @@ TEST(Roughness, APlaneHasNone) {
   EXPECT_LT(r.Sz, 2e-6);  // of heights of 8, in single precision
 }
 
+// A bare plate: nothing varies, so that skewness and kurtosis, which divide by it, do not exist; all else is known exactly.
+TEST(Roughness, OfABarePlateIsNoneAndHasNoShape) {
+  const HeightGrid bare = surface(50, 30, 0.1, [](double, double) { return 0; });
+  for (const RoughnessFilter& filter : {RoughnessFilter{}, RoughnessFilter{.s = 0.4, .l = 2}}) {
+    const HeightGrid prepared = prepared_surface(bare, filter);
+    const Roughness r = roughness(prepared);
+    for (const double none : {r.Sa, r.Sq, r.Sp, r.Sv, r.Sz}) EXPECT_EQ(none, 0);
+    EXPECT_FALSE(r.Ssk);
+    EXPECT_FALSE(r.Sku);
+    EXPECT_FALSE(autocorrelation_length(prepared));
+    const std::optional<RoughnessError> error = block_bootstrap(bare, prepared, 0.5);
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->mean, 0);
+    EXPECT_EQ(error->Sa, 0);
+    EXPECT_FALSE(error->Ssk);
+  }
+}
+
 TEST(Roughness, ASineOnAPlane) {
   // Whole waves, sampled finely: Sa = 2A/pi, Sq = A/sqrt 2, Ssk = 0, Sku = 3/2; along y, so that the plane's slope is not touched.
   constexpr double amplitude = 3, wave = 20;
@@ -46,8 +65,8 @@ TEST(Roughness, ASineOnAPlane) {
   EXPECT_NEAR(r.Sp, amplitude, 2e-3);
   EXPECT_NEAR(r.Sv, amplitude, 2e-3);
   EXPECT_EQ(r.Sz, r.Sp + r.Sv);
-  EXPECT_NEAR(r.Ssk, 0, 1e-5);
-  EXPECT_NEAR(r.Sku, 1.5, 1e-4);
+  EXPECT_NEAR(r.Ssk.value(), 0, 1e-5);
+  EXPECT_NEAR(r.Sku.value(), 1.5, 1e-4);
 }
 
 TEST(Roughness, AnArrayOfHalfBallsOnAPlate) {
@@ -65,8 +84,8 @@ TEST(Roughness, AnArrayOfHalfBallsOnAPlate) {
   const Roughness r = roughness(prepared_surface(grid, {}));
   EXPECT_NEAR(r.Sq, std::sqrt(variance), 1e-3);
   EXPECT_NEAR(r.Sa, 2 * (2 * pi * (R * R * R - m * m * m) / 3 - m * pi * edge) / 4, 1e-3);
-  EXPECT_NEAR(r.Ssk, third / std::pow(variance, 1.5), 4e-3);
-  EXPECT_NEAR(r.Sku, fourth / (variance * variance), 6e-3);
+  EXPECT_NEAR(r.Ssk.value(), third / std::pow(variance, 1.5), 4e-3);
+  EXPECT_NEAR(r.Sku.value(), fourth / (variance * variance), 6e-3);
   EXPECT_NEAR(r.Sp, R - m, 1e-3);
   EXPECT_NEAR(r.Sv, m, 1e-3);
 }
@@ -109,6 +128,27 @@ TEST(GaussianFilter, SAndLTogetherPassABand) {
   EXPECT_LT(left(550), 0.1);
 }
 
+// A filter shorter than the grid can tell is none: an L filter would leave nothing, an S filter everything.
+TEST(GaussianFilter, RefusesWhatTheGridCannotHold) {
+  const HeightGrid grid = surface(40, 40, 0.5, [](double x, double y) { return x * y; });
+  for (const double nonsense : {-1.0, 0.0, 0.1, 0.5, 1.4}) EXPECT_THROW(gaussian_mean(grid, nonsense), Error) << nonsense;
+  EXPECT_THROW(gaussian_mean(grid, std::nan("")), Error);
+  EXPECT_NO_THROW(gaussian_mean(grid, 1.5));
+  EXPECT_THROW(prepared_surface(grid, {.s = 1}), Error);
+  EXPECT_THROW(prepared_surface(grid, {.s = 0, .l = 1}), Error);
+}
+
+TEST(Sal, EndsAtTheCostThatIsGiven) {
+  // Falls to a fifth at eight cells: found only if so far is searched.
+  const HeightGrid grid = surface(120, 90, 1, [](double x, double) { return std::cos(2 * pi * x / 40); });
+  EXPECT_TRUE(autocorrelation_length(grid));
+  constexpr double cells = 120 * 90;
+  EXPECT_FALSE(autocorrelation_length(grid, cells * pi / 2 * 5 * 5));
+  EXPECT_TRUE(autocorrelation_length(grid, cells * pi / 2 * 12 * 12));
+  // A step across the middle: still correlated at half the shorter side.
+  EXPECT_FALSE(autocorrelation_length(surface(400, 20, 1, [](double x, double) { return x < 200 ? 0 : 1; })));
+}
+
 TEST(Sal, OfASineIsWhereItsCosineHasFallenToAFifth) {
   constexpr double wave = 40;
   const HeightGrid grid = surface(400, 100, 1, [](double x, double) { return std::cos(2 * pi * x / wave); });
@@ -133,8 +173,8 @@ TEST(Roughness, AgreesWithAnIndependentImplementation) {
   EXPECT_NEAR(r.Sp, 1.43633, 2e-6);
   EXPECT_NEAR(r.Sv, 0.9377439, 2e-6);
   EXPECT_NEAR(r.Sz, 2.374074, 2e-6);
-  EXPECT_NEAR(r.Ssk, 0.5195411, 1e-5);
-  EXPECT_NEAR(r.Sku, 2.725642, 1e-5);
+  EXPECT_NEAR(r.Ssk.value(), 0.5195411, 1e-5);
+  EXPECT_NEAR(r.Sku.value(), 2.725642, 1e-5);
   // It takes the surface for periodic when it correlates, we do not: equal to a few per cent.
   EXPECT_NEAR(autocorrelation_length(prepared).value(), 5.377531, 0.16);
 }
@@ -150,6 +190,42 @@ TEST(BlockBootstrap, ErrorOfTheMeanOfIndependentCells) {
   EXPECT_EQ(error->blocks, 1600);
   EXPECT_NEAR(error->mean, 1.0 / 200, 0.25 / 200);
   EXPECT_FALSE(block_bootstrap(grid, grid, 100));
+}
+
+// The error that is told from one surface against the scatter of many, of lopsided heights that correlate over a few cells.
+TEST(BlockBootstrap, ErrorsAreTheScatterOfManySurfaces) {
+  constexpr int surfaces = 300, edge = 64;
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal(0, 1);
+  const auto one = [&] {
+    std::vector<double> noise;
+    for (int k = 0; k < (edge + 1) * (edge + 1); ++k) noise.push_back(normal(random));
+    return surface(edge, edge, 1, [&](double x, double y) {
+      const auto at = [&](int i, int j) { return noise[static_cast<std::size_t>(j * (edge + 1) + i)]; };
+      const int i = static_cast<int>(x), j = static_cast<int>(y);
+      return std::exp(0.2 * (at(i, j) + at(i + 1, j) + at(i, j + 1) + at(i + 1, j + 1)));
+    });
+  };
+  constexpr const char* names[] = {"mean", "Sa", "Sq", "Ssk", "Sku"};
+  double sum[5] = {}, squares[5] = {}, told[5] = {};
+  for (int k = 0; k < surfaces; ++k) {
+    const HeightGrid grid = one();
+    const Roughness r = roughness(grid);
+    const std::optional<RoughnessError> e = block_bootstrap(grid, grid, 8);
+    ASSERT_TRUE(e);
+    const double values[] = {height_figures(grid).mean, r.Sa, r.Sq, r.Ssk.value(), r.Sku.value()};
+    const double errors[] = {e->mean, e->Sa, e->Sq, e->Ssk.value(), e->Sku.value()};
+    for (int q = 0; q < 5; ++q) {
+      sum[q] += values[q];
+      squares[q] += values[q] * values[q];
+      told[q] += errors[q] * errors[q] / surfaces;
+    }
+  }
+  for (int q = 0; q < 5; ++q) {
+    const double scatter = std::sqrt((squares[q] - sum[q] * sum[q] / surfaces) / (surfaces - 1));
+    // 64 blocks: the bootstrap falls short by their number and by what correlates across their borders.
+    EXPECT_NEAR(std::sqrt(told[q]), scatter, 0.2 * scatter) << names[q];
+  }
 }
 
 TEST(HeightFigures, QuantilesAreLinearBetweenOrderStatistics) {

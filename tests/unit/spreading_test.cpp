@@ -118,6 +118,79 @@ TEST(Layer, TellsTheSolidVolumeThatCamePerArea) {
   EXPECT_NEAR(came(bed.initial, fewer), -per_area, 0.01 * per_area);
 }
 
+/// The scene of a pile beside a bare plate, its grains where they were put.
+struct OnAPlate {
+  Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer_plate.yaml", {});
+  Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  const LayerSetup& setup = *scene.layer;
+};
+
+// Grains that come onto a bare plate make a layer as thick as their volume and their tops say, however little of the plate they hide.
+TEST(Layer, OnABarePlateIsThePlateWhereNoGrainLies) {
+  const OnAPlate c;
+  Snapshot after = c.bed.initial;
+  double volume = 0, came = 0;
+  for (std::size_t i = 0; i < c.bed.bodies.size() && came < 24; ++i) {
+    const Body& body = c.bed.bodies[i];
+    if (body.role != BodyRole::grain) continue;
+    after.position[i] = Vec3(c.setup.lower.x() + (0.5 + std::fmod(came, 8)) * 1e-4, -1.2e-4 + std::floor(came / 8) * 1.2e-4, body.radius);
+    volume += 4.0 / 3 * std::numbers::pi * std::pow(body.radius, 3);
+    came += 1;
+  }
+  const LayerMeasurement m = measure_layer(c.setup, c.bed, c.bed.initial, after, {}, 110e-6, -1e-3);
+  EXPECT_EQ(m.before.coverage, 0);
+  EXPECT_EQ(m.before.heights.mean, 0);
+  EXPECT_EQ(m.before.roughness.Sz, 0);
+  EXPECT_GT(m.after.coverage, 0.1);
+  EXPECT_LT(m.after.coverage, 0.4);
+  EXPECT_DOUBLE_EQ(m.thickness.mean, m.after.heights.mean);
+  EXPECT_EQ(m.thickness.n, m.after.grid.height.size());
+  // Under the tops of a ball on a plate lie a cylinder and half a ball: (1 + 2/3) pi r^3 beside the 4/3 pi r^3 of the ball.
+  const double per_area = volume / (c.setup.upper - c.setup.lower).prod();
+  EXPECT_NEAR(m.solid_per_area, per_area, 0.02 * per_area);
+  EXPECT_NEAR(m.thickness.mean, 1.25 * per_area, 0.02 * per_area);
+  EXPECT_NEAR(m.solid_of_gap.value(), per_area / 110e-6, 0.02 * per_area / 110e-6);
+  ASSERT_TRUE(m.thickness_se);
+  EXPECT_DOUBLE_EQ(*m.thickness_se, m.after.error->mean);  // of a difference to nothing
+  EXPECT_FALSE(m.beside_plate);
+
+  const nlohmann::json told = layer_json(m, c.setup, {}, {});
+  for (const char* key : {"Sa", "Sq", "Sp", "Sv", "Sz"}) EXPECT_EQ(told["surface"]["before"][key], 0) << key;
+  for (const char* key : {"Ssk", "Sku", "Sal"}) EXPECT_TRUE(told["surface"]["before"][key].is_null()) << key;
+  EXPECT_TRUE(told["surface"]["before"]["highest_grains"]["top"]["mean"].is_null());
+  EXPECT_TRUE(told["packing_fraction"]["before"].is_null());
+  EXPECT_TRUE(told["packing_fraction"]["after"].is_number());
+  EXPECT_TRUE(told["thickness"]["se"].is_number());
+
+  // The other way round the layer goes; a layer that stays has no thickness.
+  EXPECT_DOUBLE_EQ(measure_layer(c.setup, c.bed, after, c.bed.initial, {}, 110e-6, -1e-3).thickness.mean, -m.thickness.mean);
+  EXPECT_EQ(measure_layer(c.setup, c.bed, after, after, {}, 110e-6, -1e-3).thickness_se.value_or(0), 0);
+}
+
+TEST(Layer, DoubtsASurfaceThatIsNoneOrIsBesideThePlate) {
+  OnAPlate c;
+  const auto doubts = [&] { return doubts_of(measure_layer(c.setup, c.bed, c.bed.initial, c.bed.initial, {}, 110e-6, -1e-3)); };
+  ASSERT_EQ(doubts().size(), 1U);
+  EXPECT_NE(doubts().front().what.find("no grain lies over the region"), std::string::npos);
+  c.scene.layer->upper.x() = 1.6e-3;  // the plate ends at 1.4 mm
+  ASSERT_EQ(doubts().size(), 2U);
+  EXPECT_NE(doubts().back().what.find("the plate is not there"), std::string::npos);
+}
+
+// The gap counts from the plate where nothing lies on it; a region beside the plate has no surface to count from.
+TEST(Spreading, CountsTheGapFromABarePlate) {
+  OnAPlate c;
+  for (const auto from : {LayerSetup::GapFrom::bed, LayerSetup::GapFrom::plate}) {
+    c.scene.layer->gap_from = from;
+    EXPECT_NEAR(over_the_bed(c.scene, c.bed, c.bed.initial, {}).path.lowest, c.setup.gap, 1e-15);
+  }
+  c.scene.layer->upper.x() = 1.6e-3;
+  EXPECT_THROW(over_the_bed(c.scene, c.bed, c.bed.initial, {}), Error);
+  c.scene.layer->upper.x() = 1.1e-3;
+  c.scene.layer->plate = -1e-4;
+  EXPECT_THROW(over_the_bed(c.scene, c.bed, c.bed.initial, {}), Error);
+}
+
 // Nothing is told of an error that too few steps cannot show.
 TEST(Layer, TellsNoErrorOfAForceFromTooFewSteps) {
   const Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});

@@ -91,7 +91,7 @@ void add_overlaps(const Model& model, const Snapshot& state, std::vector<double>
 void tell(const std::string& who, const LayerMeasurement& m) {
   constexpr double um = 1e6;
   fmt::print("{:<8} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.2f} {:>8.4f} {:>8.4f} {:>10.2f}\n", who, m.before.roughness.Sa * um, m.after.roughness.Sa * um,
-             m.before.heights.mean * um, m.after.heights.mean * um, m.before.packing.fraction, m.after.packing.fraction, m.thickness.mean * um);
+             m.before.heights.mean * um, m.after.heights.mean * um, m.before.packing.fraction.value_or(0), m.after.packing.fraction.value_or(0), m.thickness.mean * um);
 }
 
 void measure(const Case& c, const std::filesystem::path& folder) {
