@@ -70,7 +70,7 @@ says 'reused'
 cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'the gap does not count from the plate'
 
 # No powder where it is measured: told, and no failure after all the work.
-expect 0 --out "$work/none" --set 'layer.to=-0.4 mm'
+expect 0 --out "$work/none" --set 'layer.from=-6 mm' --set 'layer.to=-5.5 mm'
 says 'warning: no grain lies over the region'
 holds "$(number "$work/none/result.json" surface after coverage) == 0 && $(number "$work/none/result.json" thickness mean) == 0"
 
