@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "analysis/bed_structure.hpp"
+#include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "core/hdf5_file.hpp"
 #include "core/recording_model.hpp"
@@ -55,12 +56,10 @@ bool bed_rests(const Model& model, const Snapshot& state, double plate) {
 std::string bed_key(const Prepared& bed, const Options& options) {
   const SolverOptions& s = bed.scene.solver;
   const std::string text =
-      fmt::format("{:016x} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", fingerprint(bed.model), s.time_step, s.tolerance, s.max_iterations,
+      fmt::format("{:016x} {} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", fingerprint(bed.model), s.time_step, s.tolerance, s.max_iterations,
                   static_cast<int>(s.kind), static_cast<int>(s.law), static_cast<int>(s.integration), s.warm_start, s.search_margin, bed.scene.duration,
-                  bed.scene.frame_interval, options.backend, options.allow_unsupported, version(), commit());
-  std::uint64_t hash = 14695981039346656037ULL;  // FNV-1a
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
-  return fmt::format("{:016x}", hash);
+                  bed.scene.frame_interval, bed.scene.layer->plate, options.backend, options.allow_unsupported, version(), commit());
+  return fmt::format("{:016x}", checksum(text));
 }
 
 std::optional<Bed> make_bed(const Prepared& prepared, const Options& options, const std::filesystem::path& folder) {

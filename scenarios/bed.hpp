@@ -28,8 +28,8 @@ bool grains_rest(const Model& model, const Snapshot& state, double plate);
 /// Of grains that were let go at time 0: at rest, and 5 sqrt(d/g) have passed. Before, those that hang in the air have not gained speed.
 bool bed_rests(const Model& model, const Snapshot& state, double plate);
 
-/// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times,
-/// backend and the build. Threads do not count.
+/// What a bed depends on, as a file name: the model without the spreader (grains, shapes, laws, tools, effects), solver, times, the height of the
+/// plate (see bed_rests), backend and the build. Threads do not count, nor what the spreader is made of.
 std::string bed_key(const Prepared& bed, const Options& options);
 
 /// Takes the bed from `folder`/KEY, or makes it there (frames, checkpoints and bed.h5, which is written last). nullopt if it was interrupted: a run with --resume goes on.

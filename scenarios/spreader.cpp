@@ -53,13 +53,13 @@ struct Extent {
   double along_x() const { return upper.x() - lower.x(); }
 };
 
-Extent extent_of(const ToolBody& piece) {
+Extent extent_of(const Shape& shape, const Pose& pose) {
   Extent extent;
-  for (const Part& part : piece.shape.parts) {
+  for (const Part& part : shape.parts) {
     const std::vector<Vec3> points = surface_points(part.primitive);
     if (points.empty()) return {Vec3::Constant(-endless), Vec3::Constant(endless)};
     for (const Vec3& point : points) {
-      const Vec3 at = piece.pose.to_world(part.pose.to_world(point));
+      const Vec3 at = pose.to_world(part.pose.to_world(point));
       extent.lower = extent.lower.cwiseMin(at);
       extent.upper = extent.upper.cwiseMax(at);
     }
@@ -83,23 +83,33 @@ std::vector<double> places_of_touch(const Extent& piece, const Extent& other, do
   return places;
 }
 
-/// Walls stand where they are `time` after the bed began to settle.
-void refuse_cuts(const Scene& scene, const Tool& spreader, const SpreaderPath& path, double to, double time) {
+/// Tools and fixed bodies stand where they are `time` after the bed began to settle.
+void refuse_cuts(const Model& bed, const Tool& spreader, const SpreaderPath& path, double to, double time) {
   const std::vector<ToolBody> pieces = build_tool(placed(spreader, 0, path.lowest));
-  for (const Tool& tool : scene.tools) {
-    if (can_spread(tool)) continue;
-    for (ToolBody& other : build_tool(tool)) {
-      other.pose = pose_at(tool.motion, other.pose, time);
-      for (const ToolBody& piece : pieces)
-        for (const double x : places_of_touch(extent_of(piece), extent_of(other), path.from, to)) {
-          Pose pose = piece.pose;
-          pose.position.x() += x;
-          if (cut_into(piece.shape, pose, other.shape, other.pose, cut_depth))
-            throw Error("layer.gap", fmt::format("at x = {:.4g} m the spreader, its lowest line at z = {:.6g} m, cuts into `{}`", x, path.lowest, tool.name),
-                        "make `gap` larger, lower or shorten that tool, or make the spreader narrower than the walls");
-        }
-    }
+  for (std::size_t i = 0; i < bed.bodies.size(); ++i) {
+    const Body& body = bed.bodies[i];
+    if (body.dynamic) continue;
+    const Shape& shape = bed.shapes[static_cast<std::size_t>(body.shape)];
+    const Pose stands = pose_at(body.motion, {bed.initial.position[i], bed.initial.orientation[i]}, time);
+    const Extent extent = extent_of(shape, stands);
+    for (const ToolBody& piece : pieces)
+      for (const double x : places_of_touch(extent_of(piece.shape, piece.pose), extent, path.from, to)) {
+        Pose pose = piece.pose;
+        pose.position.x() += x;
+        if (cut_into(piece.shape, pose, shape, stands, cut_depth))
+          throw Error("layer.gap",
+                      fmt::format("at x = {:.4g} m the spreader, its lowest line at z = {:.6g} m, cuts into `{}`", x, path.lowest,
+                                  bed.names[static_cast<std::size_t>(body.name)]),
+                      "make `gap` larger, lower or shorten what stands in the way, or make the spreader narrower than the walls");
+      }
   }
+}
+
+/// Something other than rollers and blades is made of it.
+bool is_in_the_bed(const Scene& bed, const std::string& material) {
+  const auto of_it = [&](const auto& thing) { return thing.material == material; };
+  return std::any_of(bed.tools.begin(), bed.tools.end(), of_it) || std::any_of(bed.bodies.begin(), bed.bodies.end(), of_it) ||
+         std::any_of(bed.grains.begin(), bed.grains.end(), of_it);
 }
 
 }  // namespace
@@ -111,6 +121,8 @@ const Tool& spreader_of(const Scene& scene) {
 Scene bed_scene(const Scene& scene) {
   Scene bed = scene;
   std::erase_if(bed.tools, can_spread);
+  std::erase_if(bed.materials, [&](const auto& entry) { return !is_in_the_bed(bed, entry.first); });
+  std::erase_if(bed.pairs, [&](const auto& entry) { return !is_in_the_bed(bed, entry.first.first) || !is_in_the_bed(bed, entry.first.second); });
   bed.duration = scene.layer->settle;
   bed.solver.time_step = scene.layer->settle_time_step;
   return bed;
@@ -139,7 +151,7 @@ SpreaderPath spreader_path(const Scene& scene, const Model& model, const Snapsho
   path.duration = (layer.to - path.from) / layer.speed;
   if (!(path.duration > 0))
     throw Error("layer.to", "the spreader finds nothing to spread before it arrives", "make `to` larger, or `gap` smaller");
-  refuse_cuts(scene, tool, path, layer.to, settled.time);
+  refuse_cuts(model, tool, path, layer.to, settled.time);
   return path;
 }
 
