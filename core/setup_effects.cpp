@@ -118,7 +118,12 @@ void apply(const BaseVibration& effect, Scene& scene) {
 }
 
 void apply(const MovingWallSpeed& effect, Scene& scene) {
-  bool any = false;
+  bool any = scene.layer.has_value();
+  if (scene.layer) {
+    if (!(effect.factor > 0))
+      throw Error("effects.moving_wall_speed.factor", "the spreader of the layer would stand still or go backwards", "give a factor above 0");
+    scene.layer->speed *= effect.factor;
+  }
   const auto change = [&](Motion& motion) {
     any = any || !motion.velocity.isZero(0) || !motion.angular_velocity.isZero(0);
     motion.velocity *= effect.factor;

@@ -20,9 +20,10 @@ struct BaseVibration {
   double phase = 0;      ///< [rad]
 };
 
-/// Velocity and angular velocity of every prescribed motion times `factor`; start, stop and vibrations stay.
+/// Velocity and angular velocity of every prescribed motion times `factor`; start, stop and vibrations stay. So does LayerSetup::speed, with which the
+/// rotation of the spreader grows; its way stays, and takes another time.
 struct MovingWallSpeed {
-  double factor = 1;  ///< [1]
+  double factor = 1;  ///< [1]; > 0 for a layer
 };
 
 /// `aspect` of every population times this: GrainProportions::with_aspect.

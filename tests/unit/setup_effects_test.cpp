@@ -53,6 +53,20 @@ TEST(SetupEffects, PrescribedSpeedsTakeAFactor) {
   EXPECT_EQ(motion.stop, 2);
 }
 
+TEST(SetupEffects, TheSpreaderOfALayerTakesAFactorWithoutAMotion) {
+  const std::string layer = R"({spreader: roller, gap: 1 mm, speed: 0.1, to: 0.1, settle: 1, settle_time_step: 1.0e-4,
+                                region: {lower: [0, 0], upper: [0.05, 0.05]}, surface: {cell: 1 mm, square: 2 mm}})";
+  const auto with_layer = [&](const std::string& effects) {
+    return parse_scene(text, "test", {{"layer", layer}, {"tools.roller.motion", "{}"}, {"effects", effects}});
+  };
+  EXPECT_DOUBLE_EQ(with_layer("{}").layer->speed, 0.1);
+  const Scene faster = with_layer("{moving_wall_speed: {factor: 1.5}}");
+  EXPECT_DOUBLE_EQ(faster.layer->speed, 0.15);
+  EXPECT_DOUBLE_EQ(parse_scene(faster.text, "again").layer->speed, 0.15);  // once, not twice
+  for (const char* factor : {"0", "-1"})
+    EXPECT_THROW(with_layer(std::string("{moving_wall_speed: {factor: ") + factor + "}}"), Error);
+}
+
 TEST(SetupEffects, GrainsChangeShapeAndSize) {
   EXPECT_DOUBLE_EQ(with("{grain_shape: {aspect: 1.2}}").grains[0].aspect, 1.2);
   const SizeDistribution size = with("{size_distribution: {mean_factor: 2, sd_factor: 0.5}}").grains[0].size;
