@@ -79,7 +79,8 @@ struct NamedGrid {
 
 /// surface.vdb: one FloatGrid per surface. Voxel (i, j, 0) holds the height of cell (i, j) [m]; holes are inactive voxels. The
 /// transform takes an index to the middle of its cell in the world, at the height of the plate, in micrometres (OpenVDB takes a
-/// voxel of 5e-6 for one without volume). Metadata: `cells` (nx, ny, 1), `origin` and `cell` [m]. Written aside and renamed. Throws Error.
+/// voxel of 5e-6 for one without volume). Metadata: `cells` (nx, ny, 1), `origin` and `cell` [m]. Equal surfaces give
+/// equal bytes. Written aside and renamed. Throws Error.
 void write_vdb(const std::filesystem::path& file, const std::vector<NamedGrid>& grids);
 
 /// What write_vdb wrote, bit for bit, in the order of the names. Throws Error naming the file.

@@ -1,7 +1,12 @@
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/io/File.h>
 
+#include <cstdint>
+#include <fstream>
+
 #include "analysis/height_grid.hpp"
+#include "core/atomic_file.hpp"
 #include "core/error.hpp"
 
 namespace repose {
@@ -11,6 +16,7 @@ constexpr double micrometres = 1e6;  // in a metre
 constexpr const char* cells_key = "cells";
 constexpr const char* origin_key = "origin";
 constexpr const char* cell_key = "cell";
+constexpr const char* name_of_surfaces = "surface.vdb";
 
 openvdb::FloatGrid::Ptr to_vdb(const NamedGrid& named) {
   const HeightGrid& grid = named.grid;
@@ -32,6 +38,23 @@ openvdb::FloatGrid::Ptr to_vdb(const NamedGrid& named) {
     for (int i = 0; i < grid.nx; ++i)
       if (!grid.is_hole(i, j)) voxels.setValueOn({i, j, 0}, grid.at(i, j));
   return out;
+}
+
+/// OpenVDB gives every file a random UUID, `name`; one that is made of the content (RFC 9562, version 8) lets equal surfaces be equal files.
+void name_by_content(const std::filesystem::path& file, const std::string& name) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.exceptions(std::ios::badbit | std::ios::failbit);
+  std::string bytes(std::filesystem::file_size(file), '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  const std::size_t at = bytes.find(name);
+  if (name.empty() || at == std::string::npos) throw std::runtime_error("its header has no UUID");
+  bytes.erase(at, name.size());
+  const std::uint64_t high = checksum(bytes), low = checksum(bytes + name_of_surfaces);
+  const std::string uuid = fmt::format("{:08x}-{:04x}-8{:03x}-{:04x}-{:012x}", high >> 32, (high >> 16) & 0xffff, high & 0xfff,
+                                       0x8000 | ((low >> 48) & 0x3fff), low & 0xffffffffffff);
+  if (uuid.size() != name.size()) throw std::runtime_error("its UUID has another form");
+  stream.seekp(static_cast<std::streamoff>(at));
+  stream.write(uuid.data(), static_cast<std::streamsize>(uuid.size()));
 }
 
 HeightGrid from_vdb(const openvdb::FloatGrid& in) {
@@ -65,6 +88,7 @@ void write_vdb(const std::filesystem::path& file, const std::vector<NamedGrid>& 
     openvdb::io::File out(aside.string());
     out.write(all);
     out.close();
+    name_by_content(aside, out.getUniqueTag());
     std::filesystem::rename(aside, file);
   } catch (const std::exception& problem) {
     std::error_code ignored;

@@ -7,7 +7,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
+#include <regex>
+#include <string>
 
 #include "analysis/bed_structure.hpp"
 #include "core/error.hpp"
@@ -120,6 +123,38 @@ TEST(SurfaceFile, ReadsBackBitForBitAndHolesAreInactive) {
   EXPECT_NEAR(at.y() * 1e-6, fine.middle(3, 5).y(), 1e-9);
   in.close();
   std::filesystem::remove(file);
+}
+
+// Programs tell files apart by the UUID in the header, which OpenVDB draws at random.
+TEST(SurfaceFile, IsTheSameBytesForTheSameSurface) {
+  const Heap heap = scattered(40, 7);
+  HeightGrid grid = height_grid(heap.model, heap.state, region, 0.1);
+  const std::filesystem::path folder = ::testing::TempDir();
+  const auto bytes_of = [&](const char* name) {
+    const std::filesystem::path file = folder / name;
+    write_vdb(file, {{"before", grid}});
+    EXPECT_EQ(read_vdb(file).size(), 1U);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    in.close();
+    std::filesystem::remove(file);
+    return bytes;
+  };
+  const auto uuid_of = [](const std::string& bytes) {
+    const std::regex form("[0-9a-f]{8}-[0-9a-f]{4}-8[0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}");
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(bytes, found, form));
+    return found.str();
+  };
+  const std::string one = bytes_of("surface_one.vdb"), two = bytes_of("surface_two.vdb");
+  EXPECT_TRUE(one == two);
+  for (float& z : grid.height)
+    if (!std::isnan(z)) {
+      z += 1e-3F;
+      break;
+    }
+  const std::string other = bytes_of("surface_other.vdb");
+  EXPECT_NE(uuid_of(one), uuid_of(other));
 }
 
 TEST(SurfaceFile, RefusesWhatIsNoSurface) {
