@@ -18,7 +18,7 @@ void check_scene(const Scene& scene, Findings& findings) {
   check_bases(scene, sound, findings);
   check_fills(scene, sound, findings);
   check_support(scene, findings);
-  check_layer(scene, findings);
+  check_layer(scene, sound, findings);
   check_tool_overlaps(scene, findings);
   check_air(scene, grains, findings);
   check_cost(scene, grains, findings);

@@ -51,8 +51,8 @@ void check_funnels(const Scene& scene, const std::vector<PopulationFigures>& gra
 void check_bases(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 void check_fills(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 void check_support(const Scene& scene, Findings& findings);
-/// A spreader that does not pass over the whole region that is measured.
-void check_layer(const Scene& scene, Findings& findings);
+/// A spreader that does not pass over the whole region that is measured, or so low that the largest grain does not fit under it.
+void check_layer(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings);
 
 /// Tools that cut into each other at time 0.
 void check_tool_overlaps(const Scene& scene, Findings& findings);

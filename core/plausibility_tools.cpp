@@ -111,6 +111,46 @@ bool overlap(const std::vector<ToolBody>& a, const std::vector<ToolBody>& b) {
   return false;
 }
 
+/// None of the powder starts above the region: the spreader's gap is then one above the plate.
+bool starts_bare(const Scene& scene) {
+  const LayerSetup& layer = *scene.layer;
+  return std::none_of(scene.grains.begin(), scene.grains.end(), [&](const GrainPopulation& g) {
+    const FillRegion& fill = g.fill;
+    const bool is_box = fill.kind == FillRegion::Kind::box;
+    const Vec2 radius = Vec2::Constant(std::max(fill.radius_bottom, fill.radius_top));
+    const Vec2 lower = is_box ? Vec2(fill.lower.head<2>()) : Vec2(fill.base.head<2>() - radius);
+    const Vec2 upper = is_box ? Vec2(fill.upper.head<2>()) : Vec2(fill.base.head<2>() + radius);
+    return (lower.array() < layer.upper.array()).all() && (upper.array() > layer.lower.array()).all();
+  });
+}
+
+/// A rigid spreader closer to the plate than the largest grain: that grain has nowhere to go.
+void check_gap(const Scene& scene, const Tool& spreader, const std::vector<PopulationFigures>& grains, Findings& findings) {
+  const LayerSetup& layer = *scene.layer;
+  const bool above_plate = layer.gap_from == LayerSetup::GapFrom::plate || starts_bare(scene);
+  if (!above_plate || spreader.yield) return;
+  double largest = 0;
+  for (const PopulationFigures& g : grains) largest = std::max(largest, g.largest);
+  if (layer.gap < largest)
+    findings.warn("layer.gap",
+                  fmt::format("the spreader passes {} above the plate, over grains of up to {}: they jam under it and overlap, and forces mean nothing then",
+                              length_text(layer.gap), length_text(largest)),
+                  fmt::format("make it larger than {}, or let the spreader give way (`yield` of tools.{})", length_text(largest), spreader.name));
+}
+
+/// A spreader beside which powder of the region stays as it is.
+void check_width(const LayerSetup& layer, const Tool& spreader, Findings& findings) {
+  const auto* roller = std::get_if<Roller>(&spreader.kind);
+  const double half = 0.5 * (roller ? roller->width : std::get<Blade>(spreader.kind).width);
+  const double y = spreader.position.y();
+  const double slack = 1e-9 * (layer.upper.y() - layer.lower.y());
+  if (y - half <= layer.lower.y() + slack && y + half >= layer.upper.y() - slack) return;
+  const auto span = [](double from, double to) { return fmt::format("from y = {:.4g} to {:.4g} mm", 1e3 * from, 1e3 * to); };
+  findings.warn(key_of(spreader, "width"),
+                fmt::format("`{}` reaches {}, but the region that is measured {}", spreader.name, span(y - half, y + half), span(layer.lower.y(), layer.upper.y())),
+                "widen it or move it (`position`), or make the region narrower");
+}
+
 }  // namespace
 
 void check_funnels(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings) {
@@ -193,7 +233,7 @@ void check_tool_overlaps(const Scene& scene, Findings& findings) {
   }
 }
 
-void check_layer(const Scene& scene, Findings& findings) {
+void check_layer(const Scene& scene, const std::vector<PopulationFigures>& grains, Findings& findings) {
   if (!scene.layer) return;
   const LayerSetup& layer = *scene.layer;
   const auto at = [](double x) { return fmt::format("x = {:.4g} mm", 1e3 * x); };
@@ -203,6 +243,11 @@ void check_layer(const Scene& scene, Findings& findings) {
   if (layer.from && *layer.from > layer.lower.x())
     findings.warn("layer.from", fmt::format("the spreader starts at {}, within the region that is measured", at(*layer.from)),
                   fmt::format("start at {} or before, or begin the region behind it", at(layer.lower.x())));
+  // The bed settles without it.
+  const auto spreader = std::find_if(scene.tools.begin(), scene.tools.end(), [&](const Tool& t) { return t.name == layer.spreader; });
+  if (spreader == scene.tools.end()) return;
+  check_width(layer, *spreader, findings);
+  check_gap(scene, *spreader, grains, findings);
 }
 
 }  // namespace repose

@@ -74,8 +74,14 @@ void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& pat
   fmt::print("layer            {:.2f} um thick in the mean (standard error {}); {} grains came into the region\n", m.thickness.mean * um,
              m.thickness_se ? fmt::format("{:.2f} um", *m.thickness_se * um) : "not known", m.moved_in);
   if (m.solid_of_gap) fmt::print("solid that came  {:.2f} um of volume per area, {:.3f} of the gap\n", m.solid_per_area * um, *m.solid_of_gap);
-  fmt::print("force            [{:.3g}, {:.3g}, {:.3g}] N, torque about y {:.3g} N m: mean of {} converged of {} steps over the region\n",
-             l.force.x(), l.force.y(), l.force.z(), l.torque.y(), l.converged, l.steps);
+  if (l.used > 0)
+    fmt::print("force            [{:.3g}, {:.3g}, {:.3g}] N, torque about y {:.3g} N m: mean of {} of {} steps over the region\n", l.force.x(), l.force.y(),
+               l.force.z(), l.torque.y(), l.used, l.steps);
+  else
+    fmt::print("force            not known: none of {} steps over the region tells it\n", l.steps);
+  if (l.used < l.steps)
+    fmt::print("                 {} did not converge, {} others overlapped deeper than {:.2g} um, a hundredth of a mean diameter\n", l.steps - l.converged,
+               l.converged - l.used, l.overlap_allowed * um);
   if (spreader_of(scene).yield)
     fmt::print("rise             {:.3g} um in the mean, {:.3g} um at most: how far the powder lifted the spreader\n", l.rise * um,
                l.rise_largest * um);
@@ -110,8 +116,9 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
   const Prepared bed_prepared = prepare_bed(scene, options);
-  repose::tell(bed_prepared.findings);
-  check_spreading(scene, options);
+  std::vector<Finding> told = bed_prepared.findings;
+  add_missing(check_spreading(scene, options), told);
+  repose::tell(told);
   if (!goes_on(options)) clear(options.out);
   const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
   if (!bed) {
@@ -119,7 +126,9 @@ int spread(const Options& options, const std::filesystem::path& beds) {
     return exit_status::interrupted;
   }
   Spreading spreading = over_the_bed(scene, bed_prepared.model, bed->state, options);
-  repose::tell(spreading.prepared.findings);
+  const auto told_before = static_cast<std::ptrdiff_t>(told.size());
+  add_missing(spreading.prepared.findings, told);
+  repose::tell({told.begin() + told_before, told.end()});
   add_missing(bed_prepared.findings, spreading.prepared.findings);
   const Prepared& prepared = spreading.prepared;
   const SpreaderPath& path = spreading.path;
@@ -133,6 +142,10 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   const Recording recording = read_recording(options.out / "run.h5", every);
   const LayerMeasurement layer =
       measure_layer(setup, prepared.model, prepared.model.initial, report.final_state, recording.steps, path.lowest, path.from);
+  if (const std::optional<Finding> jam = doubt_of_overlap(layer.load, report.max_penetration)) {
+    spreading.prepared.findings.push_back(*jam);
+    repose::tell({*jam});
+  }
   write_vdb(options.out / "surface.vdb", {{"before", layer.before.grid}, {"after", layer.after.grid}});
   const std::string picture = draw_surfaces(layer);
   write_atomically(options.out / "surface.png", picture);

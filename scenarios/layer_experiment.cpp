@@ -12,12 +12,19 @@ using nlohmann::json;
 constexpr double um = 1e6;
 
 void tell_surface(json& o, const std::string& when, const BedSurface& s) {
-  const auto of_squares = [](const HeightFigures& f) { return f.n > 0 ? std::optional(f.sd) : std::nullopt; };
   const std::pair<const char*, std::optional<double>> values[] = {
       {"Sa", s.roughness.Sa},       {"Sq", s.roughness.Sq},           {"Sz", s.roughness.Sz},     {"Ssk", s.roughness.Ssk},
       {"mean", s.heights.mean},     {"p0.1", s.heights.quantile.front()}, {"p99.9", s.heights.quantile.back()},
-      {"packing", s.packing.fraction}, {"coverage", s.coverage},      {"sd_centres", of_squares(s.centres)}, {"sd_tops", of_squares(s.tops)}};
+      {"packing", s.packing.fraction}, {"coverage", s.coverage}};
   for (const auto& [name, value] : values) o[name + ("_" + when)] = value ? json(*value) : json(nullptr);
+  for (const auto& [of, f] : {std::pair{"centres", &s.centres}, {"tops", &s.tops}}) {
+    const auto told = [&](const char* name, auto&& value) { o[std::string(name) + "_" + of + "_" + when] = f->n > 0 ? json(value()) : json(nullptr); };
+    told("sd", [&] { return f->sd; });
+    told("min", [&] { return f->min; });
+    told("p0.1", [&] { return f->quantile.front(); });
+    told("p99.9", [&] { return f->quantile.back(); });
+    told("max", [&] { return f->max; });
+  }
 }
 
 json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
@@ -31,7 +38,7 @@ json observables_of(const SpreadLayer& layer, const LayerSetup& setup) {
   o["Sa_error_within"] = m.after.error ? json(m.after.error->Sa) : json(nullptr);
   o["thickness"] = m.thickness.mean;
   o["solid_per_area"] = m.solid_per_area;
-  const bool loaded = m.load.converged > 0;
+  const bool loaded = m.load.used > 0;
   o["force_along"] = loaded ? json(m.load.force.x()) : json(nullptr);
   o["force_up"] = loaded ? json(m.load.force.z()) : json(nullptr);
   o["torque"] = loaded ? json(m.load.torque.y()) : json(nullptr);
@@ -72,8 +79,9 @@ class LayerExperiment : public Experiment {
   std::map<std::string, ReferenceValue> measured() const override { return {}; }
   void check(const Scene& scene, const std::string& place) const override {
     demand_layer(scene, place);
-    tell(prepare_bed(scene, options_).findings);
-    check_spreading(scene, options_);
+    std::vector<Finding> findings = prepare_bed(scene, options_).findings;
+    add_missing(check_spreading(scene, options_), findings);
+    tell(findings);
   }
   std::optional<json> run(const Scene& scene, std::uint64_t seed) override;
 

@@ -62,11 +62,12 @@ json segregation_json(const Segregation& s) {
   return {{"by_height", bins_json(s.by_height, s.kinds)}, {"by_x", bins_json(s.by_x, s.kinds)}};
 }
 
-/// null where no step converged: nothing is known then.
+/// null where no step tells of it: nothing is known then.
 json load_json(const SpreaderLoad& l) {
-  const auto of_some = [&](json value) { return l.converged > 0 ? std::move(value) : json(nullptr); };
+  const auto of_some = [&](json value) { return l.used > 0 ? std::move(value) : json(nullptr); };
   return {{"force", of_some(vector_json(l.force))},
           {"torque", of_some(vector_json(l.torque))},
+          {"torque_about", "centre of mass of the spreader, which travels with it: of a roller the middle of its axis"},
           {"force_se", l.force_se ? vector_json(*l.force_se) : json(nullptr)},
           {"torque_se", l.torque_se ? vector_json(*l.torque_se) : json(nullptr)},
           {"largest_force", of_some(l.largest)},
@@ -74,6 +75,9 @@ json load_json(const SpreaderLoad& l) {
           {"largest_rise", of_some(l.rise_largest)},
           {"steps", l.steps},
           {"converged_steps", l.converged},
+          {"used_steps", l.used},
+          {"overlap_allowed", l.overlap_allowed},
+          {"overlap_max", l.overlap_max},
           {"residual_max", l.residual_max}};
 }
 

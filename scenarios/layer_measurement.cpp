@@ -11,6 +11,8 @@
 namespace repose {
 namespace {
 
+constexpr double overlap_share = 0.01;  // of a mean diameter
+
 /// Blocks of three diameters are several autocorrelation lengths wide; where that length was not found none is known to be wide enough. A flat surface has
 /// no scatter at any width.
 std::optional<RoughnessError> error_of(const HeightGrid& surface, const HeightGrid& prepared, const std::optional<double>& Sal, double diameter) {
@@ -39,19 +41,29 @@ BedSurface measure_surface(const LayerSetup& layer, const Model& model, const Sn
   return s;
 }
 
-SpreaderLoad measure_load(const std::vector<StepRecord>& steps, double enters, double leaves) {
+/// A step tells how deep grains overlapped when it began; how deep when it ended, the next.
+double overlap_of(const std::vector<StepRecord>& steps, std::size_t k) {
+  return std::max(steps[k].report.penetration, k + 1 < steps.size() ? steps[k + 1].report.penetration : 0.0);
+}
+
+SpreaderLoad measure_load(const std::vector<StepRecord>& steps, double overlap_allowed, double enters, double leaves) {
   SpreaderLoad load;
+  load.overlap_allowed = overlap_allowed;
+  const std::vector<bool> tells = steps_that_tell(steps, overlap_allowed);
   std::vector<const StepRecord*> used;
-  for (const StepRecord& step : steps) {
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const StepRecord& step = steps[k];
     if (step.time < enters || step.time > leaves) continue;
     ++load.steps;
     load.residual_max = std::max(load.residual_max, step.report.residual);
-    if (!step.report.converged) continue;
+    load.overlap_max = std::max(load.overlap_max, overlap_of(steps, k));
+    load.converged += step.report.converged;
+    if (!tells[k]) continue;
     used.push_back(&step);
     load.largest = std::max(load.largest, step.tool_force.norm());
     load.rise_largest = std::max(load.rise_largest, step.tool_rise);
   }
-  load.converged = used.size();
+  load.used = used.size();
   if (used.empty()) return load;
   constexpr std::size_t stretches = 10;
   for (const StepRecord* step : used) load.rise += step->tool_rise / static_cast<double>(used.size());
@@ -81,6 +93,22 @@ SpreaderLoad measure_load(const std::vector<StepRecord>& steps, double enters, d
 
 }  // namespace
 
+std::vector<bool> steps_that_tell(const std::vector<StepRecord>& steps, double overlap_allowed) {
+  std::vector<bool> tells(steps.size());
+  for (std::size_t k = 0; k < steps.size(); ++k) tells[k] = steps[k].report.converged && overlap_of(steps, k) <= overlap_allowed;
+  return tells;
+}
+
+std::optional<Finding> doubt_of_overlap(const SpreaderLoad& load, double max_penetration) {
+  constexpr double um = 1e6;
+  if (!(max_penetration > load.overlap_allowed)) return std::nullopt;
+  return Finding{Finding::Level::warning, "layer.gap",
+                 fmt::format("grains overlapped by up to {:.3g} um, {:.2g} mean diameters: rigid grains that jam under a rigid spreader do, and then neither "
+                             "surface nor force is that of the powder ({} of {} steps over the region left out of the force for it)",
+                             max_penetration * um, overlap_share * max_penetration / load.overlap_allowed, load.converged - load.used, load.steps),
+                 "make `gap` larger than the largest grain, let the spreader give way (`yield` of its tool), or make solver.time_step smaller"};
+}
+
 LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, const Snapshot& before, const Snapshot& after,
                                const std::vector<StepRecord>& steps, double lowest, double from) {
   LayerMeasurement m;
@@ -102,7 +130,7 @@ LayerMeasurement measure_layer(const LayerSetup& layer, const Model& model, cons
   if (const double gap = lowest - layer.plate - m.before.heights.mean; gap > 0) m.solid_of_gap = m.solid_per_area / gap;
   m.passed = m.after.heights.quantile[7] - (lowest - layer.plate);
   // Over the region, while it moves.
-  m.load = measure_load(steps, (layer.lower.x() - from) / layer.speed, (std::min(layer.upper.x(), layer.to) - from) / layer.speed);
+  m.load = measure_load(steps, overlap_share * mean_diameter(model), (layer.lower.x() - from) / layer.speed, (std::min(layer.upper.x(), layer.to) - from) / layer.speed);
   const auto within = [&](const Vec3& at) {
     return (at.head<2>().array() >= layer.lower.array()).all() && (at.head<2>().array() < layer.upper.array()).all();
   };

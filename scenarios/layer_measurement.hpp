@@ -7,6 +7,7 @@
 #include "analysis/bed_structure.hpp"
 #include "analysis/height_grid.hpp"
 #include "analysis/roughness.hpp"
+#include "core/plausibility.hpp"
 #include "core/recording.hpp"
 #include "core/scene.hpp"
 
@@ -28,15 +29,26 @@ struct BedSurface {
   Segregation segregation;
 };
 
-/// The load on the spreader.
+/// The load on the spreader: what the contacts put on it. Steps tell of it if they converged and grains did not overlap deeper than
+/// `overlap_allowed` when they began or ended: rigid grains that jam under a rigid spreader overlap, and any force may then satisfy the contact law.
 struct SpreaderLoad {
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();        ///< means over converged steps while over the region [N], [N m]
-  std::optional<Vec3> force_se, torque_se;                 ///< standard errors, from ten stretches of time; nullopt if fewer than 20 steps converged
-  double largest = 0;       ///< largest force of a converged step [N]
+  /// Means over those steps while over the region [N], [N m], world axes. The torque is about the spreader's centre of mass, which travels with it: of a
+  /// roller the middle of its axis, of a blade the middle of its body (not its lowest line).
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  std::optional<Vec3> force_se, torque_se;                 ///< standard errors, from ten stretches of time; nullopt if fewer than 20 steps tell
+  double largest = 0;       ///< largest force of such a step [N]
   double rise = 0, rise_largest = 0;  ///< mean and largest height of a spreader that yields above its stops [m]
-  std::size_t steps = 0, converged = 0;  ///< over the region
+  std::size_t steps = 0, converged = 0, used = 0;  ///< over the region; used: those that tell
   double residual_max = 0;  ///< over the region
+  double overlap_allowed = 0;  ///< 1 % of a mean diameter [m]
+  double overlap_max = 0;      ///< deepest overlap of any grain in the steps over the region [m]
 };
+
+/// Of each step whether it tells of the load.
+std::vector<bool> steps_that_tell(const std::vector<StepRecord>& steps, double overlap_allowed);
+
+/// The doubt that a run raises whose grains overlapped deeper than that, in whatever step.
+std::optional<Finding> doubt_of_overlap(const SpreaderLoad& load, double max_penetration);
 
 struct LayerMeasurement {
   BedSurface before, after;

@@ -129,25 +129,62 @@ Chart segregation_chart(const char* title, const char* axis, double scale, const
   return chart;
 }
 
+/// Shares of the shapes: only where there are several.
+void add_shape_charts(const Segregation& before, const Segregation& after, std::vector<Block>& blocks) {
+  constexpr std::size_t colours = 6;  // of a chart; what comes after is dashed
+  if (after.kinds.size() < 2) return;
+  const auto add = [&](const char* title, const char* axis, double scale, const char* unit, const std::vector<SegregationBin>& bins) {
+    Chart chart;
+    chart.title = title;
+    chart.caption = "Share by number of each shape among the grains whose centre lies in the bin; bars: binomial standard error.";
+    chart.x = {axis, unit};
+    chart.y = {"share", "%"};
+    chart.low = true;
+    for (std::size_t k = 0; k < after.kinds.size(); ++k) {
+      Series s{after.kinds[k], {}, {}, {}, Series::Style::line_and_points, k >= colours};
+      for (const SegregationBin& b : bins) {
+        const bool some = b.grains > 0;
+        s.x.push_back(0.5 * (b.from + b.to) * scale);
+        s.y.push_back(some ? 100 * b.share[k] : std::numeric_limits<double>::quiet_NaN());
+        s.error.push_back(some ? 100 * b.share_se[k] : std::numeric_limits<double>::quiet_NaN());
+      }
+      chart.series.push_back(std::move(s));
+    }
+    blocks.push_back(std::move(chart));
+  };
+  add("Shapes by height, before", "height above the plate", um, "µm", before.by_height);
+  add("Shapes by height, after", "height above the plate", um, "µm", after.by_height);
+  add("Shapes along the travel, before", "x", mm, "mm", before.by_x);
+  add("Shapes along the travel, after", "x", mm, "mm", after.by_x);
+}
+
 /// x of the lowest line [mm].
 double place_of(const LayerReportInput& in, double time) {
   return (in.path.from + in.prepared.scene.layer->speed * std::min(time, in.path.duration)) * mm;
 }
 
+std::string torque_refers_to(const LayerReportInput& in) {
+  const bool roller = std::holds_alternative<Roller>(spreader_of(in.prepared.scene).kind);
+  return roller ? "About the middle of the roller's axis." : "About the centre of the blade's body, which travels with it.";
+}
+
 Chart load_chart(const LayerReportInput& in, bool torque) {
   Chart chart;
   chart.title = torque ? "Torque on the spreader" : "Force on the spreader";
-  chart.caption = "From the contact forces of each step that converged; gaps: steps that did not. Lengthwise the place of the lowest line.";
+  chart.caption = "From the contact forces of each step; gaps: steps that did not converge or in which grains overlapped. Lengthwise the place of the lowest line.";
+  if (torque) chart.caption += " " + torque_refers_to(in);
   chart.x = {"x of the lowest line", "mm"};
   chart.y = {torque ? "torque about y" : "force", torque ? "nN m" : "µN"};
   Series x{"x, along the travel", {}, {}, {}, Series::Style::line, false}, z{"z, upward", {}, {}, {}, Series::Style::line, false};
-  for (const StepRecord& step : in.recording.steps) {
+  const std::vector<bool> tells = steps_that_tell(in.recording.steps, in.layer.load.overlap_allowed);
+  for (std::size_t k = 0; k < tells.size(); ++k) {
+    const StepRecord& step = in.recording.steps[k];
     const double at = place_of(in, step.time);
     const double none = std::numeric_limits<double>::quiet_NaN();
     x.x.push_back(at);
     z.x.push_back(at);
-    x.y.push_back(!step.report.converged ? none : torque ? step.tool_torque.y() * 1e9 : step.tool_force.x() * 1e6);
-    z.y.push_back(!step.report.converged ? none : step.tool_force.z() * 1e6);
+    x.y.push_back(!tells[k] ? none : torque ? step.tool_torque.y() * 1e9 : step.tool_force.x() * 1e6);
+    z.y.push_back(!tells[k] ? none : step.tool_force.z() * 1e6);
   }
   if (torque) {
     x.name = "torque about y";
@@ -277,7 +314,7 @@ Table bed_table(const LayerReportInput& in) {
   row("grains that came into the region", fmt::format("{}", m.moved_in), "", "");
   const SpreaderLoad& l = m.load;
   const auto load = [&](const Vec3& mean, const std::optional<Vec3>& se, int axis, double unit) {
-    if (l.converged == 0) return dash;
+    if (l.used == 0) return dash;
     return with_error(mean[axis] * unit, se ? std::optional<double>((*se)[axis] * unit) : std::nullopt);
   };
   row("force along the travel", load(l.force, l.force_se, 0, um), "µN", "mean over the region, standard error from ten stretches");
@@ -285,8 +322,10 @@ Table bed_table(const LayerReportInput& in) {
   const bool yields = spreader_of(in.prepared.scene).yield.has_value();
   if (yields)
     row("rise of the spreader", fmt::format("{:.3g}, at most {:.3g}", l.rise * um, l.rise_largest * um), "µm", "above its stops, mean over the region");
-  row("torque about y", load(l.torque, l.torque_se, 1, 1e9), "nN m", "");
+  row("torque about y", load(l.torque, l.torque_se, 1, 1e9), "nN m", torque_refers_to(in));
   row("steps that converged", fmt::format("{} of {}", l.converged, l.steps), "", fmt::format("over the region; largest residual {:.2g}", l.residual_max));
+  row("steps that tell the force", fmt::format("{} of {}", l.used, l.steps), "",
+      fmt::format("converged, and no grains overlapped deeper than {:.2g} µm, a hundredth of a mean diameter; deepest {:.2g} µm", l.overlap_allowed * um, l.overlap_max * um));
   row("deepest penetration", fmt::format("{:.3g}", in.run.max_penetration * um), "µm", "over all steps, by geometry");
   row("contacts", fmt::format("{:.0f}", in.run.contacts_mean), "", "mean");
   row("iterations per step", fmt::format("{:.1f}", in.run.iterations_mean), "", "mean");
@@ -294,7 +333,7 @@ Table bed_table(const LayerReportInput& in) {
     t.notes = {"The spreader gives way upward where the powder pushes harder than its load: forces above the load accelerate its mass."};
   else
     t.notes = {"Rigid grains under a rigid spreader of prescribed path can jam: single peaks of the force then depend on the time step; means are "
-               "told, from converged steps only. Whether they are converged in the time step shows a second run with half of it. A spreader "
+               "told, from steps that tell the force only. Whether they are converged in the time step shows a second run with half of it. A spreader "
                "that yields (`yield` of its tool) has no such peaks."};
   return t;
 }
@@ -362,6 +401,7 @@ report::Report layer_report(const LayerReportInput& in) {
   bed.blocks.push_back(depth_chart(m));
   bed.blocks.push_back(segregation_chart("Size by height", "height above the plate", um, "µm", m.before.segregation.by_height, m.after.segregation.by_height));
   bed.blocks.push_back(segregation_chart("Size along the travel", "x", mm, "mm", m.before.segregation.by_x, m.after.segregation.by_x));
+  add_shape_charts(m.before.segregation, m.after.segregation, bed.blocks);
   page.sections.push_back(std::move(bed));
   if (!in.recording.steps.empty()) {
     Section loads{"Spreader and solver", {load_chart(in, false), load_chart(in, true)}};

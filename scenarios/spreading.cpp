@@ -68,7 +68,9 @@ Scene spreading_above_all(const Scene& scene) {
   return spreading_scene(scene, path);
 }
 
-void check_spreading(const Scene& scene, const Options& options) { prepare_quietly(spreading_above_all(scene), options, {}, keys_of_spreading()); }
+std::vector<Finding> check_spreading(const Scene& scene, const Options& options) {
+  return prepare_quietly(spreading_above_all(scene), options, {}, keys_of_spreading()).findings;
+}
 
 Spreading over_the_bed(const Scene& scene, const Model& bed, const Snapshot& settled, const Options& options) {
   const LayerSetup& setup = *scene.layer;

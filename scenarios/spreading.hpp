@@ -23,8 +23,9 @@ KeyNames keys_of_spreading();
 /// The spreading scene before its bed is known: the spreader travels high above all. Throws Error if it arrives before it starts.
 Scene spreading_above_all(const Scene& scene);
 
-/// Before a bed has settled for hours: throws Error for a spreading scene that would be refused wherever its spreader begins.
-void check_spreading(const Scene& scene, const Options& options);
+/// Before a bed has settled for hours: throws Error for a spreading scene that would be refused wherever its spreader begins, and gives what is
+/// doubtful in it.
+std::vector<Finding> check_spreading(const Scene& scene, const Options& options);
 
 /// Tells no findings; they are in the result. `bed`: the model of bed_scene(scene), and `settled` its state at rest; a bare plate is a bed too. Throws
 /// Error if neither a grain nor the plate is somewhere under the region, and what spreader_path and prepare throw.

@@ -5,6 +5,7 @@
 set -eu
 layer=$1 source=$2 work=$3
 bed=$source/tests/layer/bed.yaml
+. "$source/tests/layer/in_json.sh"
 export OMP_WAIT_POLICY=passive
 rm -rf -- "$work"
 mkdir -p -- "$work"
@@ -70,7 +71,7 @@ done
 expect 0 "$bed" --out "$work/two" --quiet --threads 2
 says 'reused'
 cmp -s "$work/one/run.h5" "$work/two/run.h5" || fail 'the same bed, another run.h5'
-cmp -s "$work/one/surface.png" "$work/two/surface.png" || fail 'the same bed, another surface'
+for file in surface.png surface.vdb; do cmp -s "$work/one/$file" "$work/two/$file" || fail "the same bed, another $file"; done
 without_times() { grep -vE '"(wall_s|bed_wall_s|peak_memory_bytes)"' "$1/result.json"; }
 [ "$(without_times "$work/one")" = "$(without_times "$work/two")" ] || fail 'the same layer over the same bed, another result'
 
@@ -81,7 +82,7 @@ interrupt
 [ ! -e "$work/resumed/result.json" ] || fail 'an interrupted layer has a result'
 expect 0 "$bed" --out "$work/resumed" --quiet --resume
 cmp -s "$work/one/run.h5" "$work/resumed/run.h5" || fail 'interrupted and resumed, another run.h5'
-cmp -s "$work/one/surface.png" "$work/resumed/surface.png" || fail 'interrupted and resumed, another surface'
+for file in surface.png surface.vdb; do cmp -s "$work/one/$file" "$work/resumed/$file" || fail "interrupted and resumed, another $file"; done
 
 # From 500 bodies and 1,000 contacts on the work is shared among the threads: the same bytes, bed and spreading.
 for threads in 1 2; do
@@ -91,7 +92,7 @@ for threads in 1 2; do
 done
 beds=
 cmp -s "$work/many_1/run.h5" "$work/many_2/run.h5" || fail 'another number of threads, another run.h5'
-cmp -s "$work/many_1/surface.png" "$work/many_2/surface.png" || fail 'another number of threads, another surface'
+for file in surface.png surface.vdb; do cmp -s "$work/many_1/$file" "$work/many_2/$file" || fail "another number of threads, another $file"; done
 grep -qE '"contacts_mean": [1-9][0-9]{3}' "$work/many_1/result.json" || fail 'too few contacts for two threads'
 
 # Measured while grains still move, which is told.
@@ -110,3 +111,46 @@ grep -qE 'rise             [1-9][0-9.]* um in the mean' "$work/log" || fail 'a l
 grep -qF 'Rise of the spreader' "$work/light/report.html" || fail 'the report does not tell of the rise'
 expect 2 "$bed" --out "$work/bad" --set 'tools.roller.yield={load: 0.02 uN}'
 says 'key `mass` is missing'
+
+# The bed serves other spreaders too: of another material, at another speed, a gap above the plate, a blade. Another plate is another bed.
+expect 0 "$bed" --out "$work/other" --quiet --set pairs.pa12-steel.friction=0.5 --set effects.moving_wall_speed.factor=1.5 --set layer.gap_from=plate \
+  --set 'layer.gap=380 um'
+says 'reused'
+says 'lowest line 380.0 um above the plate'
+grep -q '"speed": 0.1905' "$work/other/result.json" || fail 'the spreader is not as fast as the effect makes it'
+expect 0 "$bed" --out "$work/other" --quiet --set 'layer.plate=10 um'
+says 'settled now'
+
+# number RUN PATH [COMPONENT]: of its result; of a vector, the component.
+number() { in_json "$work/$1/result.json" "$2" "${3:-0}"; }
+holds() { awk "BEGIN { exit !($1) }" || fail "not so: $1 ($2)"; }
+pushed_back() {
+  holds "$(number "$1" roller/force 1) < 0 && $(number "$1" roller/force 3) > 0" "the powder resists and bears $1"
+  holds "$(number "$1" spreader/p99_above_lowest) < 1e-6 && $(number "$1" mass/grains_moved_in) > 0" "powder is spread, none higher than $1"
+}
+pushed_back one
+for rake in 0 30 -30; do
+  expect 0 "$bed" --out "$work/blade" --quiet --set layer.spreader=blade --set \
+    "tools.blade={material: steel, position: [-3 mm, 0, 1.5 mm], thickness: 0.2 mm, height: 1 mm, width: 0.75 mm, rake_deg: $rake, edge_radius: 20 um}"
+  says 'reused'
+  says 'spreader         lowest line 388.7 um above the plate, 60.0 um above the mean surface'
+  pushed_back blade
+done
+grep -qF 'About the centre of the blade' "$work/blade/report.html" || fail 'the report does not say what the torque refers to'
+
+# What stands in the way, be it a tool or a fixed body, is not passed through.
+expect 2 "$bed" --out "$work/bad" --set 'shapes.block={type: box, half_extents: [20 um, 20 um, 0.2 mm]}' --set \
+  'bodies.post={shape: block, material: steel, position: [0.55 mm, 0, 0.6 mm], fixed: true}'
+says 'cuts into `post`'
+
+# Grains that jam between roller and plate: told before the run, after it and in the result; steps in which they overlap tell no force.
+low() { printf 'tools.%s.position=[%s mm, 0, 1 um]' "$1" "$2"; }
+expect 0 "$bed" --out "$work/jam" --quiet --set "$(low near_end -0.45)" --set "$(low far_end 0.45)" --set "$(low catch_near -0.95)" --set "$(low catch_far 0.95)" \
+  --set grains.bed.count=60 --set grains.pile.count=20 --set layer.gap_from=plate --set 'layer.gap=60 um'
+says 'warning: layer.gap: the spreader passes 60 um above the plate, over grains of up to 100 um'
+says 'warning: layer.gap: grains overlapped by up to'
+says 'others overlapped deeper than'
+grep -q 'grains overlapped by up to' "$work/jam/result.json" || fail 'the result does not tell that grains overlapped'
+grep -qF 'grains overlapped by up to' "$work/jam/report.html" || fail 'the report does not tell that grains overlapped'
+holds "$(number jam roller/used_steps) < $(number jam roller/converged_steps)" 'steps with overlap tell no force'
+holds "$(number one roller/used_steps) == $(number one roller/steps)" 'all steps without overlap tell the force'

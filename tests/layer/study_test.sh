@@ -1,10 +1,11 @@
 #!/bin/sh
 # repose study with layers: every point measured, beds shared, runs kept.
 #
-#   study_test.sh REPOSE_STUDY SOURCE_TREE WORK_DIR
+#   study_test.sh REPOSE_STUDY SOURCE_TREE WORK_DIR REPOSE_LAYER
 set -eu
-study=$1 source=$2 work=$3
+study=$1 source=$2 work=$3 layer=$4
 plan=$source/tests/layer/study.yaml
+. "$source/tests/layer/in_json.sh"
 export OMP_WAIT_POLICY=passive
 rm -rf -- "$work"
 mkdir -p -- "$work"
@@ -18,7 +19,7 @@ run() { timeout 600 "$study" "$plan" --out "$work/out" "$@" >"$work/log" 2>&1 </
 
 run --threads 2
 for file in study.json report.html; do [ -s "$work/out/$file" ] || fail "no $file"; done
-for key in Sa_after packing_after thickness solid_per_area Sa_before sd_seed x_unit; do
+for key in Sa_after packing_after thickness solid_per_area Sa_before sd_seed x_unit min_centres_before p0.1_tops_before p99.9_centres_after max_tops_after; do
   grep -q "\"$key\"" "$work/out/study.json" || fail "the study lacks $key"
 done
 grep -q '"not_at_rest"' "$work/out/study.json" || fail 'the study does not say what came to rest'
@@ -46,6 +47,25 @@ small() {
   status=0
   timeout 600 "$study" "$work/small.yaml" --out "$work/small" --threads 1 >"$work/log" 2>&1 </dev/null || status=$?
 }
+# A point is what `repose layer` gives of the same scene and seed: surfaces, highest grains, and the load on the roller.
+small 'layer.settle: 100 ms' '60 um'
+[ "$status" = 0 ] || fail "exit status $status of a study of one layer"
+timeout 600 "$layer" "$source/tests/layer/bed.yaml" --seed 1 --out "$work/layer" --beds "$work/beds" --quiet >"$work/log" 2>&1 </dev/null || fail 'no layer'
+of_study() { in_json "$(ls "$work"/small/jobs/*.json)" "observables/$1" 0; }
+while read -r name path below; do
+  expected=$(in_json "$work/layer/result.json" "$path" "$below")
+  [ -n "$expected" ] && [ "$(of_study "$name")" = "$expected" ] || fail "$name is $(of_study "$name") in the study and $expected in the layer"
+done <<'END'
+Sa_after surface/after/Sa 0
+Sa_before surface/before/Sa 0
+packing_after packing_fraction/after 0
+force_along roller/force 1
+force_up roller/force 3
+torque roller/torque 2
+force_largest roller/largest_force 0
+max_centres_after surface/after/highest_grains/centre/max 0
+p99.9_tops_before surface/before/highest_grains/top/quantiles_percent/99.9 0
+END
 small 'layer.settle: 10 ms' '60 um'
 [ "$status" = 0 ] || fail "exit status $status of a study whose bed did not settle"
 grep -q '"not_at_rest": 1' "$work/small/study.json" || fail 'a bed that did not settle counts as at rest'

@@ -64,23 +64,52 @@ TEST(Plausibility, WarnsOfASpreaderThatPassesOverAPartOfTheRegionOnly) {
 materials: {pa12: {density: 1020}, steel: {density: 7800}}
 pairs: {pa12-pa12: {friction: 0.5}, pa12-steel: {friction: 0.5}}
 grains: {bed: {material: pa12, count: 5, size: 58 um, fill: {box: {lower: [0, 0, 0], upper: [2 mm, 1 mm, 0.2 mm]}}}}
-tools: {blade: {type: blade, material: steel, thickness: 1 mm, height: 2 mm, width: 1 mm}}
+tools: {blade: {type: blade, material: steel, position: [0, 0.5 mm, 0], thickness: 1 mm, height: 2 mm, width: 1 mm}}
 layer:
   {spreader: blade, gap: 0.1 mm, speed: 0.1, from: FROM, to: TO, settle: 0.1, settle_time_step: 2.0e-5,
    region: {lower: [0.5 mm, 0], upper: [1.5 mm, 1 mm]}, surface: {cell: 10 um, square: 58 um}}
 solver: {time_step: 2.0e-5}
 duration: 0.1
 )";
-  const auto found = [&](const std::string& from, const std::string& to) {
+  const auto found = [&](const std::string& from, const std::string& to, const std::vector<Override>& overrides = {}) {
     std::string now = text;
     now.replace(now.find("FROM"), 4, from);
     now.replace(now.find("TO"), 2, to);
-    return check_before_realising(parse_scene(now, "layer.yaml"));
+    return check_before_realising(parse_scene(now, "layer.yaml", overrides));
   };
   EXPECT_EQ(worst(found("0", "1.5 mm"), "layer"), Level::note);
+  EXPECT_EQ(worst(found("0", "1.5 mm"), "tools.blade.width"), Level::note);
+  EXPECT_EQ(worst(found("0", "1.5 mm", {{"tools.blade.width", "0.9 mm"}}), "tools.blade.width"), Level::warning);
+  EXPECT_EQ(worst(found("0", "1.5 mm", {{"tools.blade.position", "[0, 0.6 mm, 0]"}}), "tools.blade.width"), Level::warning);
+  EXPECT_EQ(worst(found("0", "1.5 mm", {{"tools.blade.position", "[0, 0.6 mm, 0]"}, {"tools.blade.width", "1.2 mm"}}), "tools.blade.width"), Level::note);
   EXPECT_EQ(worst(found("0", "1.4 mm"), "layer.to"), Level::warning);
   EXPECT_EQ(worst(found("0", "1.4 mm"), "layer.from"), Level::note);
   EXPECT_EQ(worst(found("0.6 mm", "1.6 mm"), "layer.from"), Level::warning);
+}
+
+TEST(Plausibility, WarnsOfAGapAboveThePlateThatTheLargestGrainDoesNotFitInto) {
+  const std::string text = R"(
+materials: {pa12: {density: 1020}, steel: {density: 7800}}
+pairs: {pa12-pa12: {friction: 0.5}, pa12-steel: {friction: 0.5}}
+grains:
+  pile: {material: pa12, count: 5, size: {normal: [58 um, 15 um], range: [30 um, 100 um]}, fill: {box: {lower: [-1 mm, -0.5 mm, 0], upper: [0, 0.5 mm, 1 mm]}}}
+tools: {roller: {type: roller, material: steel, diameter: 70 mm, width: 1 mm}}
+layer:
+  {spreader: roller, gap: 60 um, speed: 0.1, to: 2 mm, settle: 0.1, settle_time_step: 2.0e-5,
+   region: {lower: [0.5 mm, -0.5 mm], upper: [1.5 mm, 0.5 mm]}, surface: {cell: 10 um, square: 58 um}}
+solver: {time_step: 2.0e-5}
+duration: 0.1
+)";
+  const auto level = [&](std::vector<Override> overrides) {
+    return worst(check_before_realising(parse_scene(text, "layer.yaml", overrides)), "layer.gap");
+  };
+  const Override over_a_bed{"grains.pile.fill.box.upper", "[1 mm, 0.5 mm, 1 mm]"}, from_plate{"layer.gap_from", "plate"};
+  EXPECT_EQ(level({}), Level::warning);  // no bed: the gap is one above the plate
+  EXPECT_EQ(level({{"layer.gap", "101 um"}}), Level::note);
+  EXPECT_EQ(level({over_a_bed}), Level::note);
+  EXPECT_EQ(level({over_a_bed, from_plate}), Level::warning);
+  EXPECT_EQ(level({over_a_bed, from_plate, {"layer.gap", "101 um"}}), Level::note);
+  EXPECT_EQ(level({from_plate, {"tools.roller.yield", "{load: 1 uN, mass: 1 ug}"}}), Level::note);
 }
 
 TEST(Plausibility, JudgesEveryGroup) {

@@ -46,12 +46,35 @@ TEST(Spreading, GoesOnFromWhereTheWallsWere) {
   EXPECT_NEAR(placed(spread, roller, 0.01).position.x() - spread.initial.position[roller].x(), 0.01 * scene.layer->speed, 1e-12);
 }
 
+/// The quick layer with few grains, for what does not depend on them.
+Scene few_grains(const std::vector<Override>& overrides = {}) {
+  std::vector<Override> all{{"grains.bed.count", "20"}, {"grains.pile.count", "10"}};
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  return load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", all);
+}
+
+/// The path over the bed as it was at the start, `time` after.
+SpreaderPath path_over(const Scene& scene, double surface, double time = 0) {
+  const Model bed = realise(bed_scene(scene), 1);
+  Snapshot settled = bed.initial;
+  settled.time = time;
+  return spreader_path(scene, bed, settled, surface);
+}
+
+/// Refused because the spreader would cut into something.
+bool refused(const Scene& scene, double surface) {
+  try {
+    path_over(scene, surface);
+    return false;
+  } catch (const Error& e) {
+    EXPECT_EQ(e.place(), "layer.gap");
+    return true;
+  }
+}
+
 // A plate that comes down while the bed settles is out of the way, one that rises is in it.
 TEST(Spreading, IsRefusedWhereWallsAreWhenItStarts) {
-  Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
-  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
-  Snapshot settled = bed.initial;
-  settled.time = settled_at;
+  Scene scene = few_grains();
   constexpr double surface = 2e-3;  // [m], above all grains
   scene.layer->from = -1e-3;
   const double lowest = scene.layer->plate + surface + scene.layer->gap;
@@ -61,41 +84,112 @@ TEST(Spreading, IsRefusedWhereWallsAreWhenItStarts) {
     fin.motion.velocity = Vec3(0, 0, up * 4e-4 / settled_at);
     with.tools.push_back(fin);
     if (up < 0)
-      EXPECT_NO_THROW(spreader_path(with, bed, settled, surface));
+      EXPECT_NO_THROW(path_over(with, surface, settled_at));
     else
-      EXPECT_THROW(spreader_path(with, bed, settled, surface), Error);
+      EXPECT_THROW(path_over(with, surface, settled_at), Error);
   }
 }
 
 // A plate in the way is found however thin it and the spreader are beside the travel.
 TEST(Spreading, IsRefusedWhereItWouldCutIntoAThinPlate) {
-  Scene scene = load_scene(std::filesystem::path(REPOSE_CONFIGS) / "layer-quick.yaml", {});
-  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  Scene scene = few_grains();
   constexpr double surface = 2e-3;  // [m], above all grains
   scene.layer->from = -1e-3;
   const double lowest = scene.layer->plate + surface + scene.layer->gap;
   Tool fin{"fin", "steel", Plate{{2e-6, 1e-4, 5e-4}}, {}, {}};
-  const auto refused = [&](double x, double top) {
+  const auto cuts = [&](double x, double top) {
     Scene with = scene;
     fin.position = {x, 0, top};
     with.tools.push_back(fin);
-    try {
-      spreader_path(with, bed, bed.initial, surface);
-      return false;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.place(), "layer.gap");
-      return true;
-    }
+    return refused(with, surface);
   };
   for (const bool blade : {false, true}) {
     if (blade) std::find_if(scene.tools.begin(), scene.tools.end(), [](const Tool& t) { return t.name == "roller"; })->kind = Blade{1e-5, 1e-3, 1.1e-3};
     for (const double x : {-0.7e-3, 0.7e-3, 1.03e-3, 2.5e-3}) {
-      EXPECT_TRUE(refused(x, lowest + 1e-6)) << blade << " " << x;
-      EXPECT_TRUE(refused(x, lowest + 2e-4)) << blade << " " << x;
-      EXPECT_FALSE(refused(x, lowest - 1e-6)) << blade << " " << x;
+      EXPECT_TRUE(cuts(x, lowest + 1e-6)) << blade << " " << x;
+      EXPECT_TRUE(cuts(x, lowest + 2e-4)) << blade << " " << x;
+      EXPECT_FALSE(cuts(x, lowest - 1e-6)) << blade << " " << x;
     }
-    EXPECT_FALSE(blade && refused(3e-3, lowest + 1e-4)) << "beyond the end";
+    EXPECT_FALSE(blade && cuts(3e-3, lowest + 1e-4)) << "beyond the end";
   }
+}
+
+// A body that does not move is in the way as a tool is; one that moves freely is pushed.
+TEST(Spreading, IsRefusedWhereItWouldCutIntoAFixedBody) {
+  constexpr double surface = 2e-3;  // [m], above all grains
+  Scene scene = few_grains({{"shapes", "{block: {type: box, size: [40 um, 40 um, 200 um]}}"},
+                            {"bodies", "{post: {shape: block, material: steel, fixed: true, position: [1.2 mm, 0, 1 mm]}}"}});
+  scene.layer->from = -1e-3;
+  const double lowest = scene.layer->plate + surface + scene.layer->gap;
+  SceneBody& post = scene.bodies.at(0);
+  const auto cuts = [&](double top) {
+    post.position.z() = top - 1e-4;
+    return refused(scene, surface);
+  };
+  EXPECT_TRUE(cuts(lowest + 1e-5));
+  EXPECT_TRUE(cuts(lowest + 1.5e-4));
+  EXPECT_FALSE(cuts(lowest - 1e-6));
+  post.fixed = false;
+  post.material = "pa12";
+  EXPECT_FALSE(cuts(lowest + 1e-5));
+}
+
+// The gap is above the bed or above the plate.
+TEST(Spreading, KeepsItsGapToWhatTheSceneSays) {
+  Scene scene = few_grains({{"layer.plate", "0.05 mm"}, {"layer.gap", "0.7 mm"}});
+  const double plate = scene.layer->plate, gap = scene.layer->gap;
+  constexpr double surface = 0.4e-3;
+  EXPECT_NEAR(path_over(scene, surface).lowest, plate + surface + gap, 1e-15);
+  scene.layer->gap_from = LayerSetup::GapFrom::plate;
+  const SpreaderPath path = path_over(scene, surface);
+  EXPECT_NEAR(path.lowest, plate + gap, 1e-15);
+  const Model spread = realise(spreading_scene(scene, path), 1);
+  const std::size_t roller = tool(spread, "roller");
+  EXPECT_NEAR(spread.initial.position[roller].z() - 0.5 * std::get<Roller>(spreader_of(scene).kind).diameter, plate + gap, 1e-12);
+}
+
+// What of the roller is lowest stands still if it rolls, and goes twice as fast as its axis if it counter-rotates.
+TEST(Spreading, TurnsTheRollerTheWayThatIsSaid) {
+  Scene scene = few_grains();
+  scene.layer->from = -1e-3;
+  const double speed = scene.layer->speed;
+  const auto lowest_moves = [&](LayerSetup::Rotation rotation, double ratio) {
+    scene.layer->rotation = rotation;
+    scene.layer->rotation_ratio = ratio;
+    const SpreaderPath path = path_over(scene, 2e-3);
+    const Model spread = realise(spreading_scene(scene, path), 1);
+    const std::size_t roller = tool(spread, "roller");
+    constexpr double t = 1e-6;  // [s]
+    const Pose before = placed(spread, roller, 0), after = placed(spread, roller, t);
+    const Vec3 lowest(path.from, before.position.y(), path.lowest);
+    const Vec3 own = before.orientation.conjugate() * (lowest - before.position);
+    return Vec3((after.to_world(own) - lowest) / t);
+  };
+  const auto expect = [&](const Vec3& moves, double along) {
+    EXPECT_NEAR(moves.x(), along, 1e-4 * speed);
+    EXPECT_NEAR(moves.y(), 0, 1e-4 * speed);
+    EXPECT_NEAR(moves.z(), 0, 1e-4 * speed);
+  };
+  expect(lowest_moves(LayerSetup::Rotation::none, 1), speed);
+  expect(lowest_moves(LayerSetup::Rotation::rolling, 1), 0);
+  expect(lowest_moves(LayerSetup::Rotation::rolling, 3), -2 * speed);
+  expect(lowest_moves(LayerSetup::Rotation::counter_rotating, 1), 2 * speed);
+  expect(lowest_moves(LayerSetup::Rotation::counter_rotating, 0.5), 1.5 * speed);
+}
+
+// A spreader that is faster than prescribed: the way stays.
+TEST(Spreading, TakesAnotherTimeAtAnotherSpeed) {
+  const Scene plain = few_grains({{"layer.from", "-1 mm"}}),
+              faster = few_grains({{"layer.from", "-1 mm"}, {"effects", "{moving_wall_speed: {factor: 1.25}}"}, {"layer.rotation", "rolling"}});
+  EXPECT_DOUBLE_EQ(faster.layer->speed, 1.25 * plain.layer->speed);
+  const SpreaderPath a = path_over(plain, 2e-3), b = path_over(faster, 2e-3);
+  EXPECT_EQ(a.from, b.from);
+  EXPECT_DOUBLE_EQ(b.duration, a.duration / 1.25);
+  const Scene spreading = spreading_scene(faster, b);
+  const Tool& roller = spreader_of(spreading);
+  EXPECT_DOUBLE_EQ(roller.motion.velocity.x(), 1.25 * plain.layer->speed);
+  EXPECT_DOUBLE_EQ(roller.motion.angular_velocity.y(), roller.motion.velocity.x() / (0.5 * std::get<Roller>(roller.kind).diameter));
+  EXPECT_THROW(few_grains({{"effects", "{moving_wall_speed: {factor: 0}}"}}), Error);
 }
 
 // What came is what the grains hold that came, whatever became of the pores below.
@@ -216,6 +310,75 @@ TEST(Layer, TellsNoErrorOfAForceFromTooFewSteps) {
     EXPECT_TRUE(told(40)[se].is_array());
   }
   EXPECT_GT(told(40)["force_se"][0], 0);
+}
+
+// Grains that jam overlap, though their steps converge: such steps tell no force, nor does the one before, which left the overlap.
+TEST(Layer, TellsNoForceFromStepsInWhichGrainsOverlap) {
+  const Scene scene = few_grains();
+  const LayerSetup& setup = *scene.layer;
+  const Model bed = prepare_quietly(bed_scene(scene), {}).model;
+  const double over_the_region = (setup.lower.x() + 1e-3 + 1e-4) / setup.speed;  // [s], from x = -1 mm
+  double diameter = 0, grains = 0;
+  for (const Body& body : bed.bodies)
+    if (body.role == BodyRole::grain) {
+      diameter += 2 * body.radius;
+      grains += 1;
+    }
+  diameter /= grains;
+  const auto load_of = [&](int jammed, double overlap) {
+    std::vector<StepRecord> steps(40);
+    for (int k = 0; k < 40; ++k) {
+      StepRecord& step = steps[static_cast<std::size_t>(k)];
+      step.time = over_the_region + 1e-6 * k;
+      step.report.converged = true;
+      step.report.penetration = k >= 40 - jammed ? overlap : 1e-9;
+      step.tool_force = Vec3(0, 0, k >= 39 - jammed ? 1000 : 1);
+    }
+    return measure_layer(setup, bed, bed.initial, bed.initial, steps, 1e-3, -1e-3).load;
+  };
+  const SpreaderLoad jammed = load_of(10, 0.6 * diameter);
+  EXPECT_EQ(jammed.steps, 40U);
+  EXPECT_EQ(jammed.converged, 40U);
+  EXPECT_EQ(jammed.used, 29U);
+  EXPECT_TRUE(jammed.force.isApprox(Vec3(0, 0, 1), 1e-12));
+  EXPECT_EQ(jammed.largest, 1);
+  EXPECT_EQ(jammed.overlap_max, 0.6 * diameter);
+  EXPECT_EQ(load_of(40, 0.6 * diameter).used, 0U);
+  EXPECT_EQ(load_of(10, 0.009 * diameter).used, 40U);
+  EXPECT_EQ(load_of(10, 0.011 * diameter).used, 29U);
+  EXPECT_FALSE(doubt_of_overlap(jammed, 0.009 * diameter));
+  const std::optional<Finding> doubt = doubt_of_overlap(jammed, 0.6 * diameter);
+  ASSERT_TRUE(doubt);
+  EXPECT_EQ(doubt->level, Finding::Level::warning);
+  EXPECT_NE(doubt->message.find("0.6 mean diameters"), std::string::npos) << doubt->message;
+}
+
+// A bed depends on what it settles among, not on what will spread it.
+TEST(Bed, IsKeptForAllSpreaders) {
+  const auto key = [](const std::vector<Override>& overrides) {
+    return bed_key(prepare_quietly(bed_scene(few_grains(overrides)), {}, {}, keys_of_bed()), {});
+  };
+  const std::string bed = key({});
+  EXPECT_EQ(key({{"pairs.pa12-steel.friction", "0.41"}}), bed);
+  EXPECT_EQ(key({{"materials.steel.density", "7000"}}), bed);
+  EXPECT_EQ(key({{"layer.gap", "80 um"}, {"layer.speed", "100 mm/s"}, {"layer.rotation", "rolling"}}), bed);
+  EXPECT_EQ(key({{"tools.roller.diameter", "40 mm"}}), bed);
+  EXPECT_EQ(key({{"effects", "{moving_wall_speed: {factor: 1.5}}"}}), bed);
+  EXPECT_NE(key({{"pairs.pa12-pa12.friction", "0.51"}}), bed);
+  EXPECT_NE(key({{"pairs.aluminium-pa12.friction", "0.9"}}), bed);
+  EXPECT_NE(key({{"layer.plate", "10 um"}}), bed);
+  EXPECT_NE(key({{"layer.settle_time_step", "9.0e-5"}}), bed);
+  EXPECT_NE(key({{"tools.far_end.material", "steel"}}), bed);
+}
+
+// A material that something else is made of, too, stays with its laws.
+TEST(Bed, KeepsTheLawsOfWhatStays) {
+  const Scene plain = bed_scene(few_grains()), mixed = bed_scene(few_grains({{"tools.far_end.material", "steel"}}));
+  EXPECT_EQ(plain.materials.count("steel"), 0U);
+  EXPECT_EQ(plain.pairs.count({"pa12", "steel"}), 0U);
+  EXPECT_EQ(plain.pairs.count({"aluminium", "pa12"}), 1U);
+  EXPECT_EQ(mixed.materials.count("steel"), 1U);
+  EXPECT_EQ(mixed.pairs.count({"pa12", "steel"}), 1U);
 }
 
 // Grains that hang in the air are slow too, until they have fallen for a while.
