@@ -117,17 +117,17 @@ TEST(Spreading, IsRefusedWhereItWouldCutIntoAThinPlate) {
 // A body that does not move is in the way as a tool is; one that moves freely is pushed.
 TEST(Spreading, IsRefusedWhereItWouldCutIntoAFixedBody) {
   constexpr double surface = 2e-3;  // [m], above all grains
-  Scene scene = few_grains({{"shapes", "{block: {type: box, size: [40 um, 40 um, 200 um]}}"},
+  Scene scene = few_grains({{"shapes", "{block: {type: box, size: [40 um, 40 um, 100 um]}}"},
                             {"bodies", "{post: {shape: block, material: steel, fixed: true, position: [1.2 mm, 0, 1 mm]}}"}});
   scene.layer->from = -1e-3;
   const double lowest = scene.layer->plate + surface + scene.layer->gap;
   SceneBody& post = scene.bodies.at(0);
   const auto cuts = [&](double top) {
-    post.position.z() = top - 1e-4;
+    post.position.z() = top - 5e-5;
     return refused(scene, surface);
   };
   EXPECT_TRUE(cuts(lowest + 1e-5));
-  EXPECT_TRUE(cuts(lowest + 1.5e-4));
+  EXPECT_TRUE(cuts(lowest + 7e-5));
   EXPECT_FALSE(cuts(lowest - 1e-6));
   post.fixed = false;
   post.material = "pa12";
