@@ -7,6 +7,7 @@
 #include "backends/dvi/cone_solver.hpp"
 #include "backends/dvi/contact_finder.hpp"
 #include "backends/dvi/impact.hpp"
+#include "backends/dvi/mid_step.hpp"
 #include "backends/dvi/resize.hpp"
 #include "backends/dvi/separation.hpp"
 #include "backends/dvi/team.hpp"
@@ -246,11 +247,23 @@ class WorldDvi final : public World {
       else
         impulse_.assign(found.size(), Impulse{});
       yielding_.add_stops(slot_, h, problem_, impact_, impulse_);
-      solved = solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_, angular_after_,
-                                  options_.threads);
+      const auto plainly = [&] {
+        return solve_with_impacts(problem_, impact_, h, options_.tolerance, solver, impulse_, velocity_after_, angular_after_, options_.threads);
+      };
+      solved = second_order() ? solve_at_mid_step(problem_, impact_, velocities_before(), h, plainly, impulse_, velocity_after_, angular_after_) : plainly();
       solved.iterations = iterations += solved.iterations;
     } while (yielding_.any() && yielding_.release_overloaded(found, problem_, impulse_, h));
     return solved;
+  }
+
+  const VelocitiesBefore& velocities_before() {
+    before_.linear.resize(bodies_.count());
+    before_.angular.resize(bodies_.count());
+    for (std::size_t s = 0; s < body_of_slot_.size(); ++s) {
+      before_.linear[s] = bodies_.velocity[static_cast<std::size_t>(body_of_slot_[s])];
+      before_.angular[s] = bodies_.angular[static_cast<std::size_t>(body_of_slot_[s])];
+    }
+    return before_;
   }
 
   void build_problem(const std::vector<FoundContact>& found, double h) {
@@ -443,6 +456,7 @@ class WorldDvi final : public World {
   std::vector<ImpactData> impact_;
   std::vector<Impulse> impulse_;
   std::vector<Vec3> velocity_after_, angular_after_;
+  VelocitiesBefore before_;           // by slot, in second order
   std::vector<double> touch_;         // by found contact: time of a blow, in second order
   std::vector<FoundContact> met_;     // those of a step that ends at a touch
   std::vector<char> smooth_;          // by body

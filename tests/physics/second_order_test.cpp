@@ -86,6 +86,66 @@ TEST(SecondOrder, ASlidingBlockStopsWhereItShould) {
   expect_answer({"second order, sliding block, stopping distance [m]", speed * speed / (2 * mu * g), s.position(1).x(), 1e-5});
 }
 
+/// Where a sliding block that crosses an incline is after 0.8 s: x down the slope. Runge-Kutta of v' = (g sin a, 0) - mu g cos a v/|v|.
+Vec3 crossing_exactly(double mu, double slope, Vec3 v, double duration) {
+  const auto acceleration = [&](const Vec3& u) { return Vec3(Vec3(g * std::sin(slope), 0, 0) - mu * g * std::cos(slope) * u.normalized()); };
+  Vec3 x = Vec3::Zero();
+  constexpr int n = 20000;
+  const double h = duration / n;
+  for (int i = 0; i < n; ++i) {
+    const Vec3 a1 = acceleration(v), a2 = acceleration(v + 0.5 * h * a1), a3 = acceleration(v + 0.5 * h * a2), a4 = acceleration(v + h * a3);
+    x += h * (v + h / 6 * (a1 + a2 + a3));
+    v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  return x;
+}
+
+TEST(SecondOrder, ABlockWhoseSlipTurnsIsWhereItShould) {
+  const double mu = 0.3, slope = 0.35;
+  const Vec3 speed(0.02, -0.6, 0);
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .law("m", "m", {.friction = mu})
+                          .gravity(g * Vec3(std::sin(slope), 0, -std::cos(slope)))
+                          .floor("m")
+                          .box("m", {0.05, 0.05, 0.02}, {.position = {0, 0, 0.02}, .velocity = speed})
+                          .build();
+  const Vec3 exact = crossing_exactly(mu, slope, speed, 0.8);
+  const auto error = [&](double h) {
+    Simulation s("dvi", model, second_order(h));
+    s.run(static_cast<int>(std::lround(0.8 / h)));
+    return (s.position(1) - Vec3(0, 0, 0.02) - exact).norm();
+  };
+  const double coarse = error(4e-3), fine = error(1e-3);
+  print_row("second order, block that crosses an incline, error at 1 ms [m]", 0, fine, 0, 0);
+  EXPECT_LT(fine, 1e-6);
+  EXPECT_GT(coarse / fine, 10);  // 16 in theory
+}
+
+/// A ball that is thrown along an incline with a spin of its own: it slides, its slip turns, and it rolls.
+Vec3 spinning_ball(double h, double rolling) {
+  const Model model = ModelBuilder()
+                          .material("m")
+                          .law("m", "m", {.friction = 0.2, .rolling_friction = rolling})
+                          .gravity(g * Vec3(0.15, 0, -0.98))
+                          .floor("m")
+                          .sphere("m", 0.02, {.position = {0, 0, 0.02}, .velocity = {0.1, 0.8, 0}, .angular_velocity = {30, 20, 5}})
+                          .build();
+  Simulation s("dvi", model, second_order(h));
+  s.run(static_cast<int>(std::lround(0.6 / h)));
+  return s.position(1);
+}
+
+TEST(SecondOrder, ABallThatSlidesAndRollsOnAnInclineConvergesFaster) {
+  for (const double rolling : {0.0, 0.05}) {
+    const Vec3 exact = spinning_ball(1e-4, rolling);
+    const double coarse = (spinning_ball(2e-3, rolling) - exact).norm(), fine = (spinning_ball(5e-4, rolling) - exact).norm();
+    print_row("second order, ball with spin on an incline, error at 0.5 ms [m]", 0, fine, 0, 0);
+    EXPECT_LT(fine, 2e-5) << rolling;
+    EXPECT_GT(coarse / fine, 6) << rolling;
+  }
+}
+
 /// A box that tumbles about its middle axis: the unstable one, where every error shows.
 Vec3 tip_of_tumbling_box(double h, Integration integration) {
   SolverOptions options = precise(h);
