@@ -101,8 +101,10 @@ EffectParameter frequency() {
   return natural(logarithmic(parameter("frequency", dimension::frequency, {1e-3, 0.05, 10})));
 }
 EffectParameter phase() { return parameter("phase", dimension::angle, {-std::numbers::pi, 0, std::numbers::pi}); }
-EffectParameter reference_speed() {
-  return natural(held(parameter("reference_speed", dimension::velocity, {1e-3, 1, 1e3})));
+EffectParameter reference_speed(const std::string& constant) {
+  EffectParameter p = natural(held(logarithmic(parameter("reference_speed", dimension::velocity, {1e-3, 1, 1e3}))));
+  p.held_beside = constant;
+  return p;
 }
 EffectParameter coefficient(double upper) { return parameter("", dimension::none, {0, 0, upper}); }
 EffectParameter factor(const std::string& name, double lower, double upper) {
@@ -156,12 +158,12 @@ std::vector<EffectRow> at_contacts() {
                "slip along walls, load on the base, roller force", coefficient(1.5)),
       in_effects("rate_dependent_friction", contact, "Friction depends on the speed of sliding, by its logarithm.",
                  "deceleration that changes with slip speed",
-                 {parameter("slope", dimension::none, {-0.2, 0, 0.2}), reference_speed()}),
+                 {parameter("slope", dimension::none, {-0.2, 0, 0.2}), reference_speed("friction")}),
       in_effects("anisotropic_friction", contact, "Friction is not the same along and across a direction.",
                  "sliding that turns aside", {factor("ratio", 0.2, 5), in_degrees("direction_deg", {-90, 0, 90})}),
       in_effects("rate_dependent_restitution", contact, "Fast impacts give back a smaller part than slow ones.",
                  "rebounds that depend on the speed of impact",
-                 {parameter("exponent", dimension::none, {-0.5, 0, 0.5}), reference_speed()}),
+                 {parameter("exponent", dimension::none, {-0.5, 0, 0.5}), reference_speed("restitution")}),
       in_effects("liquid_bridge", contact, "Drops of liquid between surfaces pull until they rupture.",
                  "hanging grains, clusters, steep heaps",
                  {natural(logarithmic(parameter("force", dimension::force, {1e-2, 0, 1e3}))),

@@ -39,6 +39,7 @@ struct EffectParameter {
   bool log_scaled = false;  ///< search in ln(value)
   bool natural = false;     ///< lower, nominal, upper are multiples of the natural scale: bounds_of() makes them SI
   bool held = false;   ///< only its product with another parameter can be seen: held at `nominal` unless it is known
+  std::string held_beside = {};  ///< that other one, where it is a constant of the pairs ("friction"): a search holds this one only while it is calibrated
   int components = 1;  ///< 3: a vector, each component within the bounds
 };
 

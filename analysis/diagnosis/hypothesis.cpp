@@ -78,6 +78,18 @@ bool is_free_or_per_run(const Bundle& bundle, const std::string& key) {
          });
 }
 
+/// Of any pair.
+bool is_calibrated(const Bundle& bundle, const std::string& constant) {
+  return std::any_of(bundle.calibrate.begin(), bundle.calibrate.end(), [&](const std::string& key) { return key.starts_with("pairs.") && key.ends_with("." + constant); });
+}
+
+/// Does the scene state that the parameter does nothing, however it spells that ("0", "0.00", "0 N")?
+bool does_nothing(const YamlNode& node, const EffectParameter& p, double null) {
+  if (node.kind == YamlNode::Kind::sequence)
+    return std::all_of(node.items.begin(), node.items.end(), [&](const YamlNode& item) { return does_nothing(item, p, null); });
+  return node.kind == YamlNode::Kind::scalar && parse_quantity(node.text, p.dimension) == null;
+}
+
 }  // namespace
 
 std::vector<std::string> Hypothesis::names() const {
@@ -107,7 +119,7 @@ TermParameters parameters_of(const Term& term, const NaturalScale& scale, const 
   TermParameters result;
   for (std::size_t n = 0; n < term.row->parameters.size(); ++n) {
     const EffectParameter& p = term.row->parameters[n];
-    if (p.held || p.key.empty()) continue;
+    if ((p.held && !(term.free_reference && !p.held_beside.empty())) || p.key.empty()) continue;
     const EffectBounds bounds = bounds_of(p, scale);
     for (int k = 0; k < p.components; ++k) {
       Parameter q;
@@ -149,13 +161,14 @@ std::vector<Term> possible_terms(const Bundle& bundle, const NaturalScale& scale
     std::vector<std::string> places = places_of(row, scene);
     if (places.empty()) places.emplace_back();
     for (const std::string& place : places) {
-      const Term term{&row, place};
+      Term term{&row, place};
       bool stated = false;
       for (const EffectParameter& p : row.parameters) {
         if (p.key.empty()) continue;
         const std::string key = key_at(p, place);
         const YamlNode* present = node_at(tree, key);
-        stated = stated || (present != nullptr && !(present->text == "0" || present->text == "0.0")) || is_free_or_per_run(bundle, key);
+        if (!p.held_beside.empty()) term.free_reference = scene.grains.empty() && !is_calibrated(bundle, p.held_beside);
+        stated = stated || (present != nullptr && !p.held && !does_nothing(*present, p, bounds_of(p, scale).nominal)) || is_free_or_per_run(bundle, key);
       }
       if (stated) continue;
       if (row.site != EffectSite::measurement) {
@@ -192,7 +205,7 @@ std::vector<Term> stated_terms(const Bundle& bundle, const NaturalScale& scale) 
         const EffectBounds bounds = bounds_of(p, scale);
         double value = first_value(p, bounds);
         if (number) value = std::clamp(parse_quantity(node->text, p.dimension), bounds.lower, bounds.upper);
-        given = given || (number && !p.held && value != bounds.nominal);
+        given = given || (number && !p.held && !does_nothing(*node, p, bounds.nominal));
         term.stated.push_back(value);
       }
       if (given && plain) terms.push_back(term);

@@ -16,6 +16,7 @@ struct Term {
   const EffectRow* row = nullptr;
   std::string place;
   std::vector<double> stated = {};  ///< by the scene, one for each parameter of the row; empty: the scene lacks the effect
+  bool free_reference = false;      ///< EffectParameter::held_beside is stated: its partner is fitted, too
 };
 
 /// Sorted terms; none: the nominal scene.
