@@ -111,7 +111,13 @@ std::string next_recording(const Diagnosis& d) {
   return fmt::format(" A recording that would tell: {} (chance {}).", s.what, report::percent(std::clamp(s.power, 0.0, 1.0)));
 }
 
+std::string when_nothing_was_tested() {
+  return "Nothing could be tested: no effect and no force would show in what was recorded, as where there are as many free values as samples. That is no word for the scene. "
+         "Record more samples, or measure start values instead of leaving them free.";
+}
+
 std::string when_nothing_is_missing(const Diagnosis& d) {
+  if (!d.tested) return when_nothing_was_tested();
   const FittedHypothesis& nominal = d.models.front();
   const std::size_t n = nominal.held_out.runs.size();
   std::string text = d.lack_of_fit_p > diagnosis::level
@@ -127,6 +133,8 @@ std::string when_nothing_is_missing(const Diagnosis& d) {
   text += has_held_out(d) ? fmt::format("On {} that {} not used, the error is {} σ.", counted(n, "recording"), n == 1 ? "was" : "were",
                                         three(error_in_sigma(nominal.held_out)))
                           : fmt::format("The error is {} σ; no recording was held out.", three(error_in_sigma(nominal.train)));
+  if (d.scene_error > 1)
+    text += fmt::format(" Stepped as the scene says it would miss them by another {} σ: a smaller time_step, or `integration: second_order`, takes that away.", three(d.scene_error));
   return text;
 }
 
@@ -199,7 +207,7 @@ std::string force_in_words(const Located& l) {
 std::string verdict_in_words(const Diagnosis& d) {
   const std::string& verdict = d.verdict.word;
   const std::string names = effects_in_words(d.models[d.best].hypothesis.names());
-  if (verdict == "none") return "Nothing is missing";
+  if (verdict == "none") return d.tested ? "Nothing is missing" : "Nothing could be tested";
   if (verdict == "unknown" || d.best == 0) return "Something is missing that is not in the library";
   if (verdict == "ambiguous") return "Missing: " + names + ", or " + rivals(d);
   if (verdict == "measurement") return "A measurement error: " + names;

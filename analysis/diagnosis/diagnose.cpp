@@ -10,6 +10,7 @@
 
 #include "analysis/diagnosis/bootstrap.hpp"
 #include "analysis/diagnosis/combination.hpp"
+#include "analysis/diagnosis/explained.hpp"
 #include "analysis/diagnosis/held_out.hpp"
 #include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/quarter_turn.hpp"
@@ -41,7 +42,6 @@ class Diagnosing {
     fit_options_.interrupted = options.interrupted;
     follow_further(problem_, fit_options_);
     note_horizons(bundle);
-    note_scene_error();
   }
 
   Diagnosis run() {
@@ -88,11 +88,12 @@ class Diagnosing {
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
   }
 
-  void note_scene_error() {
-    for (const auto& [observable, error] : problem_.scene_error())
-      if (error > told_error)
-        result_.notes.push_back(fmt::format("Solved as the scene says, with its step and integration, {} is wrong by {:.2g} of the noise; every hypothesis was "
-                                            "solved to second order instead (solver.integration).", observable, error));
+  /// Not where it is the verdict.
+  void note_scene_error(double error) {
+    if (!result_.models.front().fit.layout.numerics.second_order || error < told_error) return;
+    result_.scene_error = error;
+    result_.notes.push_back(fmt::format("Stepped as the scene says, and fitted so, the recordings would be missed by {:.2g} of their noise; every hypothesis was solved to "
+                                        "second order instead (solver.integration). Write `integration: second_order` under `solver`, or a smaller time_step.", error));
   }
 
   void demand_candidates() const {
@@ -132,6 +133,7 @@ class Diagnosing {
       model.fit = nearer_to_the_scene(problem_, fit);
       result_.models.push_back(std::move(model));
     }
+    note_scene_error(search.scene_error());
     const LackOfFit& lack = search.lack_of_fit();
     result_.screened = lack.screened;
     // Where numerics were a part of the mismatch and something is left, that is where the physics is.
@@ -142,6 +144,7 @@ class Diagnosing {
     if (const std::size_t fitted = result_.models.front().fit.runs.size(), looked_at = SearchOptions{}.located_runs; fitted > looked_at)
       result_.notes.push_back(fmt::format("Where the mismatch is was looked for in the first {} of {} fitted runs.", looked_at, fitted));
     result_.lack_of_fit_p = lack.p;
+    result_.tested = lack.tested || result_.interrupted;
     deviate_ = lack.deviate;
     result_.replicas = options_.replicas;
     if (search.base() != 0)
@@ -160,6 +163,12 @@ class Diagnosing {
     result_.bootstrapped = true;
   }
 
+  /// Since the flag was set simulations give nothing: what comes after the last complete stage is left out.
+  bool interrupted() {
+    result_.interrupted = result_.interrupted || (options_.interrupted && options_.interrupted());
+    return result_.interrupted;
+  }
+
   void weigh(FittedHypothesis& model) {
     model.scale = std::max(1.0, std::sqrt(model.fit.per_dof()));
     model.train = score_of(problem_, model.fit);
@@ -175,7 +184,13 @@ class Diagnosing {
     // Where a model leaves plainly more than noise, its slopes say nothing of what another value would be worth.
     // The same holds where paths jump with an engine's step.
     const bool poor = !model.fit.layout.numerics.backend.empty() || model.fit.per_dof() > plainly_more_than_noise || model.held_fit.per_dof() > plainly_more_than_noise;
-    if (!held_.empty() && !poor) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
+    if (!held_.empty() && !poor && !interrupted()) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
+  }
+
+  void weigh_all() {
+    for (FittedHypothesis& model : result_.models) weigh(model);
+    if (interrupted())
+      for (FittedHypothesis& model : result_.models) model.predicted = model.held_out.log_likelihood;
   }
 
   void fit_held_out() {
@@ -184,6 +199,7 @@ class Diagnosing {
     for (const FittedHypothesis& model : result_.models) trained.push_back(&model.fit);
     const auto told = [&](std::size_t done) { tell("runs that were held out", static_cast<double>(done), static_cast<double>(trained.size())); };
     std::vector<Fit> fits = held_out_fits(problem_, trained, held_, fit_options_, told);
+    if (interrupted()) return held_.clear();  // half of them fitted: judged by the fitted runs
     for (std::size_t i = 0; i < fits.size(); ++i) result_.models[i].held_fit = std::move(fits[i]);
   }
 
@@ -246,26 +262,6 @@ class Diagnosing {
     }
   }
 
-  /// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes. Where some runs plainly leave more than
-  /// noise, the mean over these: one that is beyond all models (a body that the tracker lost) must not speak for the others.
-  static double share_explained(const Fit& nominal, const Fit& model) {
-    const auto excess = [](const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); };
-    std::vector<double> shares;
-    for (std::size_t i = 0; i < nominal.runs.size(); ++i) {
-      const auto of_run = [i](const Fit& fit) {
-        const double free = static_cast<double>(fit.residual[i].size() - fit.own[fit.runs[i]].size());
-        return std::max(0.0, fit.residual[i].squaredNorm() - free);
-      };
-      if (nominal.residual[i].size() == 0 || model.residual[i].size() == 0) continue;
-      const double before = of_run(nominal);
-      if (before > (plainly_more_than_noise - 1) * static_cast<double>(nominal.residual[i].size()))
-        shares.push_back(std::max(-1.0, 1 - of_run(model) / before));
-    }
-    if (!shares.empty()) return std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
-    const double before = excess(nominal);
-    return before > 0 ? 1 - excess(model) / before : 0;
-  }
-
   /// Physics is measured against the scene as finely as it was solved with it. What fits the training runs and leaves the held-out
   /// ones as they were has explained nothing.
   double explained_by(std::size_t model, std::size_t finer) const {
@@ -292,7 +288,7 @@ class Diagnosing {
 
   void finish(Search& search) {
     fit_held_out();
-    for (FittedHypothesis& model : result_.models) weigh(model);
+    weigh_all();
     std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
       const FittedHypothesis& m = result_.models[i];
@@ -307,47 +303,66 @@ class Diagnosing {
       e.form_parameters = m.form_parameters;
       e.stated = stated_in(m.hypothesis);
       e.explained = explained_by(i, search.base());
+      e.accelerations = share_of_accelerations(problem_, result_.models[i == 0 || i == search.base() ? 0 : search.base()].fit, m.fit);
       if (std::any_of(e.sites.begin(), e.sites.end(), [](EffectSite s) { return s != EffectSite::numerics; })) e.solved = other_numerics(m.fit.layout.numerics);
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
     }
-    const std::size_t leading = search.best();
-    result_.remaining_p = result_.lack_of_fit_p;
-    if (leading != 0 && result_.lack_of_fit_p <= level && !result_.interrupted) result_.remaining_p = search.left_by(leading).p;
-    if (const Fit& held = result_.models[leading].held_fit; !held_.empty() && held.per_dof() > plainly_more_than_noise)
-      result_.remaining_p = std::min(result_.remaining_p, 1 / (1 + static_cast<double>(options_.replicas)));
-    const bool small = search.base() == 0 && within_a_step(result_.models[leading].fit);
-    result_.verdict = judge(evidence, small ? 1 : result_.lack_of_fit_p, result_.remaining_p);
-    if (result_.verdict.word == "unknown" && by_chance(search)) result_.verdict = judge(evidence, 1, result_.remaining_p);
+    reach_verdict(search, evidence);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
     result_.explained = evidence[result_.best].explained;
     note_stated(evidence);
     FittedHypothesis& best = result_.models[result_.best];
     tell("intervals of the parameters", 0, 1);
     FittedHypothesis& nominal = result_.models.front();
-    nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !result_.interrupted, options_.seed, fit_options_);
-    if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !result_.interrupted && best.fit.layout.numerics.backend.empty(), options_.seed, fit_options_);
+    nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !interrupted(), options_.seed, fit_options_);
+    if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !interrupted() && best.fit.layout.numerics.backend.empty(), options_.seed, fit_options_);
     note_failures();
     find_overstated_noise(best.fit);
     note_combinations(best);
     note_quarter_turn(best);
     note_numerics(search.base(), best.fit.layout.numerics);
-    const PairedGain gain = paired_gain(nominal.held_out.per_run, best.held_out.per_run);
-    result_.paired_p = gain.p;
-    result_.effect_size = gain.effect_size;
+    result_.paired_p = p_of_smaller_errors(nominal.held_out.error_per_run, best.held_out.error_per_run);
+    result_.effect_size = paired_gain(nominal.held_out.per_run, best.held_out.per_run).effect_size;
     suggest();
     keep_residuals();
     tell_recorded_times();
     result_.extended_scene = emit_yaml(problem_.extended_scene(best.fit.layout, best.fit.shared));
     result_.simulations = problem_.simulations();
+    interrupted();
   }
 
-  /// One in a hundred recordings without a mismatch has a lack of fit at the level. What no effect explains is called unknown if runs that were not
-  /// fitted show a lack as well, or if it is beyond chance.
+  /// Lack of fit of a model on the runs that were fitted, or plainly on those that were not.
+  double remaining_p_of(Search& search, std::size_t model) {
+    double p = result_.lack_of_fit_p;
+    if (model != 0 && p <= level && !interrupted()) p = search.left_by(model).p;
+    const Fit& held = result_.models[model].held_fit;
+    return !held_.empty() && held.per_dof() > plainly_more_than_noise ? std::min(p, 1 / (1 + static_cast<double>(options_.replicas))) : p;
+  }
+
+  void reach_verdict(Search& search, const std::vector<Evidence>& evidence) {
+    std::size_t leading = search.best();
+    const bool small = search.base() == 0 && within_a_step(result_.models[leading].fit);
+    const double p = small ? 1 : result_.lack_of_fit_p;
+    for (int pass = 0; pass < 2; ++pass) {  // held-out runs may speak for another one than the fitted did
+      result_.remaining_p = remaining_p_of(search, leading);
+      result_.verdict = judge(evidence, p, result_.remaining_p);
+      const auto best = static_cast<std::size_t>(result_.verdict.best);
+      if (best == 0 || best == leading) break;
+      leading = best;
+    }
+    if (result_.verdict.word != "none" && by_chance(search)) result_.verdict = judge(evidence, 1, result_.remaining_p);
+    if (!result_.tested)
+      for (Ranked& r : result_.verdict.ranked) r.probability = r.model == 0 || r.model < 0 ? 0.5 : 0;
+  }
+
+  /// One in a hundred recordings without a mismatch has a lack of fit at the level. It is believed if runs that were not fitted show a lack as well, or are
+  /// met better by what was found, or if it is beyond chance.
   bool by_chance(Search& search) {
     const Fit& held = result_.models.front().held_fit;
-    if (result_.verdict.best != 0 || held.runs.empty() || deviate_ >= beyond_chance || result_.interrupted) return false;
-    if (!std::isfinite(held.chi2)) return false;
+    if (held.runs.empty() || deviate_ >= beyond_chance || interrupted() || !std::isfinite(held.chi2)) return false;
+    const std::vector<double>& before = result_.models.front().held_out.error_per_run;
+    if (p_of_smaller_errors(before, result_.models[static_cast<std::size_t>(result_.verdict.best)].held_out.error_per_run) <= nothing_seen) return false;
     const double p = search.lack_in(held).p;
     if (p <= nothing_seen) return false;
     result_.held_out_p = p;
@@ -363,6 +378,12 @@ class Diagnosing {
   }
 
   void note_numerics(std::size_t base, const Numerics& best) {
+    const Numerics& nominal = result_.models.front().fit.layout.numerics;
+    if (problem_.numerics().second_order && !nominal.second_order && result_.verdict.word != "numerics") {
+      result_.notes.push_back(fmt::format("The recordings bear the step of a simulation: they are fitted best when stepped as the scene says, at {:.2g} of its step, and so are all "
+                                          "hypotheses. That is how they were made, and no physics.", nominal.step_factor));
+      return;
+    }
     if (!best.backend.empty()) {
       result_.notes.push_back(fmt::format("The recordings bear the marks of an engine: they are fitted best as {0} solves the scene, at {1:.2g} of its step. So is the extended scene: "
                                           "run it with `--backend {0}`.", best.backend, best.step_factor));
@@ -375,7 +396,7 @@ class Diagnosing {
 
   /// Step 9: the best against its nearest rival of the same size, or against nothing missing.
   void suggest() {
-    if (result_.best == 0 || result_.interrupted) return;
+    if (result_.best == 0 || interrupted()) return;
     std::size_t rival = 0;
     for (const Ranked& r : result_.verdict.ranked)
       if (r.model > 0 && static_cast<std::size_t>(r.model) != result_.best) {

@@ -64,6 +64,7 @@ struct Diagnosis {
   std::vector<FittedHypothesis> models;   ///< [0]: nominal; then as fitted
   std::size_t best = 0;                   ///< the extended one; 0: nominal
   double lack_of_fit_p = 1; ///< of the nominal: by the bootstrap if there was one, else from noise alone
+  bool tested = true;       ///< false: no effect and no force would show in these recordings, as with as many free values as samples; the verdict is `none`, and says nothing
   double remaining_p = 1;   ///< the same of the best model
   std::optional<double> held_out_p;  ///< of the nominal in runs that were not fitted, where these alone make the verdict `none`: what stood out was chance
   double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes, on the runs (fitted or held out) where it removes less
@@ -81,6 +82,7 @@ struct Diagnosis {
   std::map<std::string, NoiseModel> noise;
   std::map<std::string, double> overstated;  ///< observables that differ from the best model by less than a tenth of the noise which the bundle states: the share
   std::vector<std::string> notes;         ///< subsets, splits, horizons: what was done and what was left out
+  double scene_error = 0;   ///< rms, in units of the noise, of the nominal if it were stepped as the scene says; 0 where that is little, or the verdict
   std::size_t simulations = 0;
   bool interrupted = false;               ///< stages after the interruption are missing
   std::vector<Screened> screened;

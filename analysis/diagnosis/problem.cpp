@@ -19,7 +19,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
-constexpr double periods_seen = 1.5;     // in the longest recording, of what is called periodic
+constexpr double periods_seen = 2;       // in the longest recording, of what is called periodic: beside a constant force one and a half are any push that passes
 
 Values starts(const std::vector<Parameter>& parameters) {
   Values v(static_cast<Eigen::Index>(parameters.size()));

@@ -18,10 +18,12 @@ Score score_of(const Problem& problem, const Fit& fit) {
       const Eigen::VectorXd lost = Eigen::VectorXd::Constant(problem.runs()[run].size, largest_residual);
       score.per_run.push_back(gaussian_log_likelihood(lost, 1));
       score.log_likelihood += score.per_run.back();
+      score.error_per_run.push_back(largest_residual);
       continue;
     }
     score.per_run.push_back(gaussian_log_likelihood(fit.residual[i], 1));
     score.log_likelihood += score.per_run.back();
+    score.error_per_run.push_back(fit.residual[i].norm() / std::sqrt(std::max<double>(1, static_cast<double>(fit.residual[i].size()))));
     for (const Channel& c : problem.runs()[run].channels) {
       auto& [sum, count] = squares[c.observable];
       sum += (c.noise * plain.segment(c.first, static_cast<Eigen::Index>(c.time.size()))).squaredNorm();
@@ -64,6 +66,17 @@ PairedGain paired_gain(std::span<const double> nominal, std::span<const double> 
   if (d.se > 0) gain.effect_size = d.value / (d.se * std::sqrt(n));
   gain.p = d.p_greater();
   return gain;
+}
+
+double p_of_smaller_errors(std::span<const double> nominal, std::span<const double> extended) {
+  constexpr double least = 1e-9;  // of the noise: recordings without any
+  if (nominal.size() < 2) return 1;
+  const auto logarithms = [&](std::span<const double> errors) {
+    std::vector<double> result;
+    for (const double error : errors) result.push_back(std::log(std::max(error, least)));
+    return result;
+  };
+  return paired_difference(logarithms(nominal), logarithms(extended)).p_greater();
 }
 
 }  // namespace repose::diagnosis

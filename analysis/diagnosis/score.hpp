@@ -16,6 +16,7 @@ struct Score {
   double log_likelihood = 0;               ///< nats, sum over samples, for the sensors' own noise
   std::map<std::string, double> rmse;      ///< by observable, in its SI unit (orientation: rad)
   std::vector<double> per_run;             ///< log likelihood of each run
+  std::vector<double> error_per_run;       ///< rms of each run's residuals, in units of the noise
 };
 
 /// `fit` has been fitted to (or, for held-out runs, its start values have been) fit.runs.
@@ -29,11 +30,15 @@ Score score_of(const Problem& problem, const Fit& fit);
 /// square of `scale`, of the fitted residuals in units of the noise. 0 without shared parameters.
 double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale);
 
-/// The extended model against the nominal on the same runs, by their log likelihoods.
+/// The extended model against the nominal on the same runs.
 struct PairedGain {
-  double p = 1;            ///< one-sided, paired t test over runs; 1 with fewer than two runs
+  double p = 1;            ///< one-sided, paired t test over runs of the log likelihoods; 1 with fewer than two runs
   double effect_size = 0;  ///< mean over standard deviation of the difference; 0 with fewer than two runs
 };
 PairedGain paired_gain(std::span<const double> nominal, std::span<const double> extended);
+
+/// The same test by the logarithms of the errors of each run: log likelihoods differ by as much more as a run is longer or further off, so that
+/// three runs, each of which falls from tens of sigma to one, would prove nothing. 1 with fewer than two runs.
+double p_of_smaller_errors(std::span<const double> nominal, std::span<const double> extended);
 
 }  // namespace repose::diagnosis

@@ -55,6 +55,7 @@ void Search::run() {
   constexpr int rounds = 3;
   for (int round = 0; round < rounds && !stopped(); ++round) {
     if (!stopped() && lack_.p <= level) fit_numerics();
+    take_step_of_maker();
     choose_base();
     const bool numerics_suffice = base_ != 0 && !stopped() && left_by(base_).p > level;
     if (!stopped() && !numerics_suffice) fit_singles();
@@ -126,6 +127,8 @@ LackOfFit Search::lack_in(const Fit& fit) {
     if (!stopped()) throw;
     return {};
   }
+  const auto physical = [](const Screened& s) { return s.term.row->site != EffectSite::measurement && !s.probes.empty(); };
+  lack.tested = !lack.places.pieces.empty() || std::any_of(lack.screened.begin(), lack.screened.end(), physical);
   const double p_where = lack.places.pieces.empty() ? 1 : lack.places.pieces.front().p;
   for (const Located& l : lack.places.pieces) lack.deviate = std::max(lack.deviate, l.deviate);
   lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));

@@ -31,6 +31,7 @@ struct LackOfFit {
   double deviate = 0;              ///< the largest of both
   double p_effects = 1;            ///< of the screening alone
   double p = 1;                    ///< of both, corrected for being two
+  bool tested = false;             ///< is there physics, an effect or a force, that these recordings would show?
 };
 
 class Search {
@@ -55,6 +56,8 @@ class Search {
   /// The fit of smallest chi^2 + 2 parameters.
   std::size_t best() const;
   bool interrupted() const { return interrupted_; }
+  /// By how much the nominal is missed, beyond what it is missed by anyway, if it is stepped as the scene says: rms, in units of the noise; 0 where it is.
+  double scene_error() const { return scene_error_; }
   int nominal_improved() const { return improved_; }      ///< times that the guard found a better nominal fit
 
  private:
@@ -65,6 +68,7 @@ class Search {
   void tell(const std::string& stage, double done, double total) const;
   void calibrate();
   void compare_as_given();
+  void take_step_of_maker();
   std::vector<Screened> screen_about(const Fit& fit, const Nuisance& nuisance, const std::vector<Term>& terms);
   Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;
   Fit improved(const Fit& fit) const;
@@ -98,6 +102,7 @@ class Search {
   std::size_t base_ = 0;
   std::map<std::string, LackOfFit> left_;  ///< by the hypothesis' label
   bool interrupted_ = false;
+  double scene_error_ = 0;
   int improved_ = 0;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
 constexpr std::size_t asked_first = 2;   // of these; the others where nothing was found and much is left
-constexpr double coarse_scene = 3;       // of the noise, rms: a step that errs by less is none that anyone would blame
+constexpr double coarse_scene = 10;      // of the noise, rms. A ball that bounces in steps of a millisecond errs by 3 to 5; that is told beside the verdict
 constexpr double beside_the_step = 25;   // chi^2 per degree of freedom
 constexpr double much_nearer = 0.5;      // of chi^2, before anything is fitted
 constexpr double noise_may_err = 1.1;    // in squares: a reading in steps of the noise adds a twelfth to what the recording states
@@ -30,10 +30,27 @@ void Search::compare_as_given() {
   given = improved(given);
   if (!std::isfinite(given.chi2)) return;
   const double gain = given.chi2 - fits_.front().chi2;
+  scene_error_ = std::sqrt(std::max(0.0, gain) / static_cast<double>(given.samples));
   if (gain < coarse_scene * coarse_scene * static_cast<double>(given.samples) || gain < 0.5 * given.excess()) return;
   Fit finer = std::move(fits_.front());
   finer.layout.hypothesis.terms = {{find_effect("time_step"), ""}};
   fits_ = {std::move(given), std::move(finer)};
+}
+
+/// Recordings that another simulation made, stepped as the scene says or more finely, bear the errors of that step. Where these are all that the
+/// nominal leaves, nothing is missing: the nominal is then solved as they were.
+void Search::take_step_of_maker() {
+  const Fit* const made = find({{{find_effect("time_step"), ""}}});
+  if (made == nullptr || !problem_.numerics().second_order || stopped()) return;
+  const Numerics& how = made->layout.numerics;
+  if (how.second_order || !how.backend.empty() || how.step_factor > 1 || !leaves_noise(*made)) return;
+  LackOfFit left = lack_in(*made);
+  if (left.p <= level || stopped()) return;
+  Fit nominal = *made;
+  nominal.layout.hypothesis.terms.clear();
+  fits_.assign(1, std::move(nominal));
+  lack_ = std::move(left);
+  left_.clear();
 }
 
 /// A fit begun with other numerics than it had, whose chi^2 `start` still tells. An engine that lacks something of the scene gives no finite

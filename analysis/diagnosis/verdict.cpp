@@ -62,6 +62,7 @@ bool explains_enough(const Evidence& e) {
   if (e.effects.empty() || e.explained < (e.stated > 0 ? least_explained_by_stated : least_explained)) return false;
   const bool plain = e.lack_of_fit * e.lack_of_fit > plainly_more_than_noise;
   if (plain && all_of_site(e, EffectSite::numerics)) return false;
+  if (plain && e.accelerations < least_explained) return false;
   return !plain || 1 - e.explained <= std::pow(1 - least_explained, std::max(1, e.form_parameters));
 }
 

@@ -21,6 +21,7 @@ struct Evidence {
   std::string solved;                 ///< physics beside numerics that are not the nominal's: these, by the name of their effect; as good as one effect more
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
   double explained = 0;               ///< share of the nominal's excess chi^2 that it removes
+  double accelerations = 1;           ///< share of the missing accelerations that it removes (explained.hpp)
 };
 
 struct Ranked {
@@ -47,7 +48,8 @@ inline constexpr double cost_of_stated = 5.0, least_explained_by_stated = 0.9;
 /// Candidates closer than this to the best [nats, after the tempering of judge()] cannot be told apart.
 inline constexpr double indistinguishable_within = 3.0;
 /// Below this share of what was left over, the best candidate has not explained it; where what it leaves is plainly more than noise,
-/// each of its parameters must have explained as much of what the ones before it had left.
+/// each of its parameters must have explained as much of what the ones before it had left, and the candidate as much of the missing
+/// accelerations: in displacements a constant force imitates most of a push that passes.
 inline constexpr double least_explained = 0.5;
 inline constexpr double level = 0.01;  ///< of the lack of fit
 /// chi^2 per degree of freedom from which what a model leaves is systematic: its samples are no longer independent, its runs are.

@@ -359,5 +359,14 @@ TEST(Score, OfTwoModelsIsPairedByRun) {
   EXPECT_EQ(paired_gain(nominal.per_run, extended.per_run).p, 1);
 }
 
+TEST(Score, ProvesByTheRatioOfErrorsWhatDiffersInSizeBetweenRuns) {
+  const std::vector<double> before{4, 25, 90}, after{1.0, 0.95, 1.1};
+  EXPECT_NEAR(p_of_smaller_errors(before, after), 0.0387, 1e-3);  // ln: 1.386, 3.270, 4.405; t = 3.42, two degrees of freedom
+  const std::vector<double> nearly{1.02, 0.99, 1.0}, same{1.0, 1.0, 1.0};
+  EXPECT_GT(p_of_smaller_errors(nearly, same), 0.2);
+  EXPECT_EQ(p_of_smaller_errors(std::vector<double>{5}, std::vector<double>{1}), 1);
+  EXPECT_LT(p_of_smaller_errors(std::vector<double>{3, 3.1}, std::vector<double>{0, 0}), 0.05) << "recordings without noise";
+}
+
 }  // namespace
 }  // namespace repose::diagnosis

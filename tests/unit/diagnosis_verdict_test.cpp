@@ -70,6 +70,17 @@ TEST(Verdict, IsUnknownWhereNothingExplainsTheMismatch) {
   expect_sums_to_one(little);
 }
 
+TEST(Verdict, NamesNothingThatImitatesDisplacementsAlone) {
+  Evidence tilt = model({"gravity_tilt"}, -100, 38, 0.86);
+  tilt.form_parameters = 2;
+  const Evidence nominal = model({}, -5e6, 100);
+  EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "missing");
+  tilt.accelerations = 0.1;
+  EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "unknown");
+  tilt.lack_of_fit = 1;
+  EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "missing") << "what leaves noise has explained all";
+}
+
 TEST(Verdict, AFlexibleEffectThatLeavesPlainlyMoreThanNoiseHasExplainedNothing) {
   const auto periodic = [](double scale, double explained) {
     Evidence e = model({"periodic_force"}, -100, scale, explained);

@@ -1,0 +1,18 @@
+#pragma once
+/// How much of a mismatch a model explains.
+#include "analysis/diagnosis/fit.hpp"
+
+namespace repose::diagnosis {
+
+/// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes. Where some runs plainly leave more than
+/// noise, the mean over these: one that is beyond all models (a body that the tracker lost) must not speak for the others.
+/// Both fits are of the same runs. At most 1; below 0 where the model leaves more.
+double share_explained(const Fit& nominal, const Fit& model);
+
+/// The same of what the residuals do rather than of where they are: their second derivatives (speeds: the first, accelerometers: themselves), constant
+/// on at most ten equal pieces of each channel. Those that stand out from their own error by three standard errors are summed as squares over time; the shares of the
+/// channels are weighted by the nominal's chi^2 in them. Displacements forget when a force acted: a constant one takes four fifths of chi^2 from a push that
+/// lasts a tenth of the record, and a tenth of its acceleration. At most 1, at least -1; 1 where nothing stands out.
+double share_of_accelerations(const Problem& problem, const Fit& nominal, const Fit& model);
+
+}  // namespace repose::diagnosis

@@ -1,0 +1,137 @@
+// When is a mismatch physics, and when is it nothing, or nothing that is known?
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "analysis/diagnosis/diagnose.hpp"
+#include "analysis/diagnosis/explained.hpp"
+#include "core/error.hpp"
+#include "core/scene_yaml.hpp"
+#include "tests/unit/flight_bundle.hpp"
+
+namespace repose::diagnosis {
+namespace {
+
+DiagnoseOptions quick() {
+  DiagnoseOptions options;
+  options.replicas = 199;
+  return options;
+}
+
+Flights six(const std::string& truth = "{}") {
+  Flights f;
+  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
+  f.truth = truth;
+  return f;
+}
+
+bool is_candidate(const Bundle& bundle, const std::string& name) {
+  const std::vector<Term> terms = possible_terms(bundle, natural_scale(realise(bundle.scene, 1)));
+  return std::any_of(terms.begin(), terms.end(), [&](const Term& t) { return t.row->name == name; });
+}
+
+TEST(Alarm, AnEffectThatTheSceneSetsToNothingMayBeMissing) {
+  for (const char* zero : {"0", "0.0", "0.00", "0e0", "-0.0"}) {
+    Flights f = six();
+    f.nominal = std::string("{linear_drag: {viscosity: 1.0e-5}, gravity_tilt: {x_deg: ") + zero + ", y_deg: " + zero + "}}";
+    const Bundle bundle = flights(f);
+    EXPECT_TRUE(is_candidate(bundle, "gravity_tilt")) << zero;
+    EXPECT_FALSE(is_candidate(bundle, "linear_drag")) << zero;
+    const std::vector<Term> stated = stated_terms(bundle, natural_scale(realise(bundle.scene, 1)));
+    EXPECT_TRUE(std::none_of(stated.begin(), stated.end(), [](const Term& t) { return t.row->name == "gravity_tilt"; })) << zero;
+  }
+  Flights f = six();
+  f.nominal = "{inertia: {factor: 1.0}}";
+  EXPECT_TRUE(is_candidate(flights(f), "inertia"));
+  f.nominal = "{inertia: {factor: 1.1}}";
+  EXPECT_FALSE(is_candidate(flights(f), "inertia"));
+}
+
+TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
+  // Of first order and at a quarter of the scene's step: several times the noise, and no start value imitates it.
+  for (const double factor : {0.25, 1.0}) {
+    Bundle bundle = flights(six());
+    Random random(1, 4);
+    for (BundleRun& run : bundle.runs) {
+      Scene made = parse_scene(ball_scene(), "made", run.set);
+      made.solver.time_step *= factor;
+      SimulationRequest request;
+      request.scene = &made;
+      request.until = 0.6;
+      Observation& o = run.observations[0];
+      o.position.clear();
+      observe(fly_late_by(12 / factor)(request), o.time, o);
+      o.orientation.clear();
+      for (Vec3& x : o.position)
+        for (double& c : x) c += 1e-3 * normal(random);
+    }
+    const Diagnosis d = diagnose(bundle, fly_late_by(12 / factor), quick());
+    EXPECT_EQ(d.verdict.word, "none") << factor;
+    EXPECT_LT(d.models.front().held_out.chi2_per_dof, 1.5) << factor;
+    EXPECT_EQ(parse_scene(d.extended_scene, "extended").solver.integration, Integration::symplectic_euler);
+    EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.find("bear the step") != std::string::npos; })) << factor;
+  }
+}
+
+TEST(Alarm, AConstantForceTakesTheDisplacementOfAPushThatPassesAndNotItsAcceleration) {
+  Flights f = six();
+  const auto both = [&] {
+    const Bundle bundle = flights(f);
+    const Problem problem(bundle, {0, 1, 2}, fly);
+    const auto fitted = [&](const Hypothesis& h) { return minimise(problem, start_of(problem, problem.layout(h), {0, 1, 2}), {}); };
+    const Fit nominal = fitted({}), constant = fitted({{{find_effect("uniform_force"), ""}}});
+    return std::pair(share_explained(nominal, constant), share_of_accelerations(problem, nominal, constant));
+  };
+  f.loads = {{"ball", 0.25, 0.35, {0.012, 0, 0}, Vec3::Zero()}};  // 7 m/s^2 for a tenth of a second
+  const auto [displacement, acceleration] = both();
+  EXPECT_GT(displacement, 0.6);
+  EXPECT_LT(acceleration, 0.4);
+  f.loads = {{"ball", 0, 10, {0.0012, 0, 0}, Vec3::Zero()}};
+  EXPECT_GT(both().second, 0.99);
+  f.loads.clear();
+  EXPECT_GT(both().second, 0.5) << "noise";
+}
+
+TEST(Alarm, WhereNothingCanBeTestedThatIsSaid) {
+  Flights f = six("{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}");
+  Bundle bundle = flights(f);
+  for (BundleRun& run : bundle.runs) {  // two points and a free velocity
+    Observation& o = run.observations[0];
+    o.time = {o.time.front(), o.time.back()};
+    o.position = {o.position.front(), o.position.back()};
+    run.free = {"bodies.ball.velocity", "bodies.ball.position"};
+  }
+  bundle.noise["position"] = 1e-3;
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  EXPECT_FALSE(d.tested);
+  EXPECT_EQ(d.verdict.word, "none");
+  for (const Ranked& r : d.verdict.ranked) EXPECT_LE(r.probability, 0.5);
+  EXPECT_TRUE(diagnose(flights(six()), fly, quick()).tested);
+}
+
+TEST(Alarm, AnInterruptionAfterTheSearchIsToldAsOne) {
+  const Bundle bundle = flights(six("{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"));
+  for (const std::string stage : {"runs that were held out", "intervals of the parameters", "a recording that would tell more"}) {
+    std::atomic<bool> over{false};
+    const Simulate interruptible = [&](const SimulationRequest& request) {
+      if (over) throw Error("", "interrupted", "", Error::Kind::simulation);
+      return fly(request);
+    };
+    DiagnoseOptions options = quick();
+    options.interrupted = [&] { return over.load(); };
+    options.progress = [&](const std::string& now, double, double) { over = over || now == stage; };
+    const Diagnosis d = diagnose(bundle, interruptible, options);
+    EXPECT_TRUE(over) << stage;
+    EXPECT_TRUE(d.interrupted) << stage;
+    EXPECT_EQ(d.models[d.best].hypothesis.names(), std::vector<std::string>{"quadratic_drag"}) << stage;
+    for (const FittedHypothesis& model : d.models) {
+      EXPECT_TRUE(std::isfinite(model.held_out.chi2_per_dof)) << stage;
+      EXPECT_TRUE(std::isfinite(model.predicted)) << stage;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace repose::diagnosis
