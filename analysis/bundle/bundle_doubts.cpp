@@ -29,9 +29,15 @@ bool same(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return true;
 }
 
+bool same(const std::vector<Quat>& a, const std::vector<Quat>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Quat& p, const Quat& q) {
+    return p.coeffs() == q.coeffs() || (std::isnan(p.w()) && std::isnan(q.w()));
+  });
+}
+
 bool same_data(const Observation& a, const Observation& b) {
-  return a.kind == b.kind && a.name == b.name && a.body == b.body && same(a.time, b.time) && same(a.position, b.position) && same(a.at, b.at) &&
-         same(a.value, b.value) && (a.kind != ObservableKind::scalar || a.scalar == b.scalar);
+  return a.kind == b.kind && a.name == b.name && a.body == b.body && same(a.time, b.time) && same(a.position, b.position) &&
+         same(a.orientation, b.orientation) && same(a.at, b.at) && same(a.value, b.value) && (a.kind != ObservableKind::scalar || a.scalar == b.scalar);
 }
 
 /// Single numbers may be equal by chance: something with many samples must be, too.
@@ -47,6 +53,8 @@ bool same_data(const BundleRun& a, const BundleRun& b) {
 
 /// Every sample of the same value: a sensor that hangs, or one body taken for another.
 bool stands_still(const Observation& o) {
+  const bool placed = std::any_of(o.position.begin(), o.position.end(), [](const Vec3& p) { return !p.array().isNaN().all(); });
+  if (o.kind == ObservableKind::trajectory && !placed) return false;
   for (std::size_t i = 1; i < o.position.size(); ++i)
     if (!same({o.position[0]}, {o.position[i]})) return false;
   for (std::size_t i = 1; i < o.value.size(); ++i)
@@ -61,6 +69,20 @@ double longest_gap(const std::vector<double>& time) {
   if (intervals.size() < 4) return 1;
   std::sort(intervals.begin(), intervals.end());
   return intervals.back() / intervals[intervals.size() / 2];
+}
+
+/// A record that begins later than it is long: rarely the end of what the scene does, mostly a clock that ran before.
+void doubt_beginning(const BundleRun& run, std::vector<std::string>& doubts) {
+  double begin = INFINITY, end = -INFINITY;
+  for (const Observation& o : run.observations) {
+    if (o.time.empty() || o.kind == ObservableKind::profile) continue;
+    begin = std::min(begin, o.time.front());
+    end = std::max(end, o.time.back());
+  }
+  if (begin > end - begin)
+    doubts.push_back(fmt::format("run {}: the first sample is at {:.6g} s, and the scene begins at 0; if the clock ran before the run began, say when that was: "
+                                 "`from: {:.6g}`",
+                                 run.id, run.from + begin, run.from + begin));
 }
 
 void doubt_clocks(const BundleRun& run, const Scene& scene, std::vector<std::string>& doubts) {
@@ -97,17 +119,14 @@ void doubt_start_values(const BundleRun& run, std::vector<std::string>& doubts) 
   }
 }
 
-/// Third differences that can be taken where there are four samples in a row.
+/// Third differences of the samples that are there.
 std::size_t third_differences(std::size_t samples, const auto& has) {
-  std::size_t count = 0, in_a_row = 0;
-  for (std::size_t i = 0; i < samples; ++i) {
-    in_a_row = has(i) ? in_a_row + 1 : 0;
-    count += in_a_row > 3 ? 1 : 0;
-  }
-  return count;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < samples; ++i) count += has(i) ? 1 : 0;
+  return count > 3 ? count - 3 : 0;
 }
 
-/// Records so short, or so full of gaps, that they do not tell their own noise, where none is given.
+/// Records so short that they do not tell their own noise, where none is given.
 void doubt_noise(const Bundle& bundle, std::vector<std::string>& doubts) {
   std::map<std::string, std::size_t> most;
   const auto tell = [&](const std::string& name, std::size_t samples, const auto& has) { most[name] = std::max(most[name], third_differences(samples, has)); };
@@ -120,7 +139,7 @@ void doubt_noise(const Bundle& bundle, std::vector<std::string>& doubts) {
     }
   for (const auto& [name, differences] : most)
     if (differences < differences_that_tell_noise && !bundle.noise.contains(name))
-      doubts.push_back(fmt::format("the noise of `{}` is not given, and no run has the {} samples in a row that would tell it: it is taken as a ten-thousandth of what is "
+      doubts.push_back(fmt::format("the noise of `{}` is not given, and no run has the {} samples that would tell it: it is taken as a ten-thousandth of what is "
                                    "seen, and anything above that as missing physics; state it under `noise`", name, differences_that_tell_noise + 3));
 }
 
@@ -138,6 +157,7 @@ std::vector<std::string> doubts_of(const Bundle& bundle) {
         break;
       }
     doubt_clocks(bundle.runs[i], bundle.scene, doubts);
+    doubt_beginning(bundle.runs[i], doubts);
     doubt_start_values(bundle.runs[i], doubts);
     for (const Observation& o : bundle.runs[i].observations) {
       if (stands_still(o))

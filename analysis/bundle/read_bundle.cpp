@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "analysis/bundle/bundle_files.hpp"
 #include "analysis/bundle/bundle_units.hpp"
@@ -23,6 +24,9 @@ namespace fs = std::filesystem;
 /// A key whose value is a number or a list of numbers, in a named part of the scene that exists.
 void check_key(const YamlReader& reader, const std::string& key, const std::string& text, const YamlNode& tree,
                const std::string& scene_file) {
+  constexpr std::string_view orientation = ".orientation.";
+  if (const std::size_t at = key.rfind(orientation); at != std::string::npos && at + orientation.size() + 1 == key.size())
+    reader.fail("one component of an orientation cannot change alone", fmt::format("name the whole: `{}`", key.substr(0, key.size() - 2)));
   YamlNode changed = tree;
   try {
     const YamlNode* present = node_at(tree, key);

@@ -103,6 +103,8 @@ const std::vector<Case>& cases() {
        "did you mean `ball`?"},
       {"free_material", "recording.yaml", "free: [bodies.ball.velocity]", "free: [bodies.ball.material]", "free: [bodies.ball.position]", "runs.0.free",
        "number in SI"},
+      {"free_part_of_an_orientation", "recording.yaml", "free: [bodies.ball.velocity]", "free: [bodies.ball.orientation.0]", "free: [bodies.ball.orientation]", "runs.0.free",
+       "name the whole: `bodies.ball.orientation`"},
       {"calibrates_what_is_not_there", "recording.yaml", "steel-steel.friction]", "steel-steel.fricton]", "steel-steel.friction]", "calibrate",
        "did you mean `friction`?"},
       {"calibrates_a_word", "recording.yaml", "[pairs.steel-steel.friction]", "[bodies.ball.material]", "[pairs.steel-steel.restitution]", "calibrate",
@@ -116,6 +118,8 @@ const std::vector<Case>& cases() {
       {"hanging_sensor", "s.csv", force, "time,value\n0,0.01\n0.1,0.01\n0.2,0.01\n0.3,0.01\n", force, "never changes", ""},
       {"two_clocks", "s.csv", force, "time,value\n1000,0\n1000.1,0.01\n1000.2,0.02\n1000.3,0.03\n", force, "", "a clock of their own"},
       {"clocks_that_do_not_meet", "s.csv", force, "time,value\n0.5,0\n0.6,0.01\n0.7,0.02\n0.8,0.03\n", force, "share one clock", ""},
+      {"clock_of_its_own", "b.csv", path_b, "time,body,x,y,z\n5,ball,0,0,1\n5.1,ball,0.031,0,0.951\n5.2,ball,0.062,0,0.804\n5.3,ball,0.093,0,0.559\n", path_b,
+       "run b: the first sample is at 5 s, and the scene begins at 0; if the clock ran before the run began, say when that was: `from: 5`", ""},
       {"long_gap", "b.csv", path_b, "time,body,x,y,z\n0,ball,0,0,1\n0.001,ball,0,0,1\n0.002,ball,0.001,0,1\n0.003,ball,0.001,0,1\n0.3,ball,0.093,0,0.559\n",
        path_b, "a gap", ""},
       {"unseen_start_value", "recording.yaml", "id: b\n", "id: b\n    free: [bodies.ball.angular_velocity]\n", "id: b\n    free: [bodies.ball.velocity]\n",
@@ -162,6 +166,30 @@ TEST_P(BadBundle, IsRefusedOrDoubtedAndItsTwinIsNot) {
   write(c.good);
   const Bundle twin = read_bundle(folder);
   EXPECT_TRUE(twin.warnings.empty()) << twin.warnings.front();
+}
+
+TEST(BundleDoubts, OrientationsAloneTellRunsApartAndNoSensorHangs) {
+  Bundle bundle;
+  bundle.scene = parse_scene(dropped_ball_scene, "scene");
+  for (const double turned : {0.1, 0.2}) {
+    Observation o;
+    o.name = "position";
+    o.body = "ball";
+    for (int i = 0; i < 20; ++i) {
+      o.time.push_back(0.01 * i);
+      o.position.push_back(Vec3::Constant(NAN));
+      o.orientation.push_back(rotation_of(Vec3(turned * i, 0, 0)));
+    }
+    BundleRun run;
+    run.id = std::to_string(turned);
+    run.observations = {o};
+    bundle.runs.push_back(run);
+  }
+  bundle.noise = {{"position", 1e-3}, {"orientation", 1e-3}};
+  EXPECT_EQ(doubts_of(bundle), std::vector<std::string>{});
+  bundle.runs[1].observations[0].orientation = bundle.runs[0].observations[0].orientation;
+  ASSERT_EQ(doubts_of(bundle).size(), 1u);
+  EXPECT_NE(doubts_of(bundle)[0].find("hold the same data"), std::string::npos);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BadBundle, ::testing::ValuesIn(cases()), [](const auto& tested) { return tested.param.name; });

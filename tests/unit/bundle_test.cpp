@@ -210,7 +210,14 @@ TEST_F(BundleFolder, SaysWhatIsDoubtful) {
 TEST_F(BundleFolder, SaysThatShortRecordsDoNotTellTheirNoise) {
   const Bundle bundle = read_bundle(folder);
   ASSERT_EQ(bundle.warnings.size(), 1U);
-  EXPECT_NE(bundle.warnings[0].find("noise of `position` is not given, and no run has the 11 samples in a row"), std::string::npos) << bundle.warnings[0];
+  EXPECT_NE(bundle.warnings[0].find("noise of `position` is not given, and no run has the 11 samples that would tell it"), std::string::npos) << bundle.warnings[0];
+}
+
+TEST_F(BundleFolder, EmptyRowsAmongOthersHideNoNoise) {
+  std::string rows = "time,body,x,y,z\n";
+  for (int i = 0; i < 24; ++i) rows += std::to_string(0.01 * i) + ",ball," + (i % 2 == 0 ? "0.1,0.2," + std::to_string(1 - 0.01 * i) : ",,") + "\n";
+  write("a.csv", rows);
+  EXPECT_EQ(read_bundle(folder).warnings, std::vector<std::string>{});
 }
 
 TEST_F(BundleFolder, AnglesAreInRadiansWithoutAUnitAndProfilesInTheirs) {
