@@ -79,7 +79,7 @@ void doubt_beginning(const BundleRun& run, std::vector<std::string>& doubts) {
     begin = std::min(begin, o.time.front());
     end = std::max(end, o.time.back());
   }
-  if (begin > end - begin)
+  if (std::isfinite(begin) && begin > end - begin)
     doubts.push_back(fmt::format("run {}: the first sample is at {:.6g} s, and the scene begins at 0; if the clock ran before the run began, say when that was: "
                                  "`from: {:.6g}`",
                                  run.id, run.from + begin, run.from + begin));

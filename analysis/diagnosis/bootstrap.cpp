@@ -44,9 +44,10 @@ Bundle replica_of(const Problem& problem, const Fit& nominal, std::uint64_t seed
       const NoiseModel sensor = noise.at(c.observable);
       const Observation& recorded = data.run->observations[c.observation];
       Observation& o = made.observations[c.observation];
+      const std::vector<double> phi = correlations(sensor.phi, c.time);
       double e = 0;
       for (std::size_t k = 0; k < c.time.size(); ++k) {
-        e = k == 0 ? normal(random) : sensor.phi * e + std::sqrt(1 - sensor.phi * sensor.phi) * normal(random);
+        e = phi[k] * e + std::sqrt(1 - phi[k] * phi[k]) * normal(random);
         const double moved = c.noise * d[c.first + static_cast<Eigen::Index>(k)] + sensor.sd * e;
         const std::size_t i = c.at[k];
         if (c.observable == "position")

@@ -19,7 +19,7 @@ struct Channel {
   std::size_t observation = 0;  ///< of the run
   int axis = 0;                 ///< of a position, or of a rotation vector
   double noise = 1;             ///< standard deviation of one sample
-  double phi = 0;               ///< correlation of neighbours
+  double phi = 0;               ///< correlation of neighbours at the usual interval
   std::vector<double> time;
   std::vector<std::size_t> at;  ///< index of each time in the observation
   Eigen::Index first = 0;       ///< of its residuals in the run's vector; as many as times

@@ -326,7 +326,7 @@ Eigen::VectorXd Problem::residual(const Layout& layout, std::size_t run, const V
   Eigen::VectorXd r = plain_residual(layout, run, shared, own, loads);
   if (r.size() == 0) return r;
   for (const Channel& c : runs_[run].channels)
-    if (c.phi > 0) whiten(r.segment(c.first, static_cast<Eigen::Index>(c.time.size())), c.phi);
+    if (c.phi > 0) whiten(r.segment(c.first, static_cast<Eigen::Index>(c.time.size())), c.phi, c.time);
   return r;
 }
 

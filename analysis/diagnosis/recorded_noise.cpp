@@ -28,11 +28,10 @@ double step_of_readings(std::vector<double> x) {
   return multiples ? step : 0;
 }
 
-/// The samples of all runs and axes in one row, apart by more than differences reach: a median of many differences says more than a
-/// median of few medians.
+/// The samples of all runs and axes in one row: a median of many differences says more than a median of few medians.
 class Collection {
  public:
-  void add(const std::string& observable, const std::vector<double>& samples, double largest_range = INFINITY) {
+  void add(const std::string& observable, const std::vector<double>& time, const std::vector<double>& samples, double largest_range = INFINITY) {
     double low = INFINITY, high = -INFINITY;
     for (const double x : samples)
       if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
@@ -42,10 +41,12 @@ class Collection {
       const auto [known, first] = steps_.emplace(observable, step);
       if (!first) known->second = std::min(known->second, step);
     }
-    if (noise_from_differences(samples) == 0) return;  // a constant, or too short to say
-    std::vector<double>& row = rows_[observable];
-    row.insert(row.end(), samples.begin(), samples.end());
-    row.insert(row.end(), apart, NAN);
+    if (noise_from_differences({time, samples}) == 0) return;  // a constant, or too short to say
+    TimedSamples& row = rows_[observable];
+    row.time.insert(row.time.end(), time.begin(), time.end());
+    row.value.insert(row.value.end(), samples.begin(), samples.end());
+    row.time.push_back(NAN);
+    row.value.push_back(NAN);
   }
 
   std::map<std::string, NoiseModel> noise(const std::map<std::string, double>& given) const {
@@ -66,8 +67,7 @@ class Collection {
   }
 
  private:
-  static constexpr std::size_t apart = 6;  // three differences at stride 2
-  std::map<std::string, std::vector<double>> rows_;
+  std::map<std::string, TimedSamples> rows_;
   std::map<std::string, double> ranges_;
   std::map<std::string, double> steps_;  ///< of the readings, the least of all runs and axes
 };
@@ -78,14 +78,14 @@ std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std
   Collection collection;
   for (const std::size_t index : runs)
     for (const Observation& o : bundle.runs[index].observations) {
-      if (o.kind == ObservableKind::series) collection.add(o.name, o.value);
+      if (o.kind == ObservableKind::series) collection.add(o.name, o.time, o.value);
       if (o.kind != ObservableKind::trajectory) continue;
       const auto turns = turns_of(o.orientation);
       for (int k = 0; k < 3; ++k) {
         std::vector<double> x;
         for (const Vec3& p : o.position) x.push_back(p[k]);
-        collection.add("position", x);
-        if (!o.orientation.empty()) collection.add("orientation", turns[static_cast<std::size_t>(k)], 2 * std::numbers::pi);
+        collection.add("position", o.time, x);
+        if (!o.orientation.empty()) collection.add("orientation", o.time, turns[static_cast<std::size_t>(k)], 2 * std::numbers::pi);
       }
     }
   return collection.noise(bundle.noise);

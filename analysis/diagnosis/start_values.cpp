@@ -50,9 +50,12 @@ struct Seen {
 
 double fastest(const std::vector<double>& time, const std::vector<double>& value) {
   double rate = 0;
-  for (std::size_t i = 1; i < time.size(); ++i)
-    if (time[i] > time[i - 1] && std::isfinite(value[i]) && std::isfinite(value[i - 1]))
-      rate = std::max(rate, std::abs(value[i] - value[i - 1]) / (time[i] - time[i - 1]));
+  std::optional<std::size_t> before;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (!std::isfinite(value[i])) continue;
+    if (before && time[i] > time[*before]) rate = std::max(rate, std::abs(value[i] - value[*before]) / (time[i] - time[*before]));
+    before = i;
+  }
   return rate;
 }
 

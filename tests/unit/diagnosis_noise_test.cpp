@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "analysis/bundle/sensor.hpp"
 #include "analysis/diagnosis/observation_model.hpp"
@@ -66,10 +67,61 @@ TEST(Noise, AWeakCorrelationIsFoundInAsManySamplesAsARecordingHas) {
   EXPECT_GE(found, 18);
 }
 
-TEST(Noise, MissingSamplesBreakTheChain) {
-  std::vector<double> x = with_noise(1000, 1e-3, 0, 4);
-  for (std::size_t i = 0; i < x.size(); i += 17) x[i] = NAN;
-  EXPECT_NEAR(noise_model(x).sd, 1e-3, 1.2e-4);
+TEST(Noise, MissingSamplesAreLeftOut) {
+  for (const std::size_t every : {17, 2}) {
+    std::vector<double> x = with_noise(1000, 1e-3, 0, 4);
+    for (std::size_t i = 0; i < x.size(); i += every) x[i] = NAN;
+    EXPECT_NEAR(noise_model(x).sd, 1e-3, 1.2e-4) << every;
+    EXPECT_LT(noise_model(x).phi, 0.15) << every;
+  }
+  TimedSamples apart{{0, 1, 2, NAN, 0, 1, 2}, {0, 0, 0, NAN, 9, 9, 9}};
+  for (int i = 0; i < 5; ++i) {
+    apart.time.insert(apart.time.end(), {NAN, 0, 1, 2});
+    apart.value.insert(apart.value.end(), {NAN, 9. * i, 0, 1});
+  }
+  EXPECT_EQ(noise_from_differences(apart), 0) << "no record has four samples";
+}
+
+/// 4 m/s, falling, seen about every 10 ms; each time off by up to `jitter` [s].
+TimedSamples thrown(std::size_t n, double sd, double jitter, std::uint64_t seed) {
+  Random random(seed, 2);
+  TimedSamples x;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = 0.01 * static_cast<double>(i) + jitter * (2 * random.uniform() - 1);
+    x.time.push_back(t);
+    x.value.push_back(4 * t - 4.905 * t * t + sd * normal(random));
+  }
+  return x;
+}
+
+TEST(Noise, UnevenTimesAreNoNoise) {
+  EXPECT_LT(noise_from_differences(thrown(200, 0, 4e-3, 1)), 1e-12) << "a parabola has no third differences";
+  const NoiseModel noise = noise_model(thrown(1000, 1e-3, 4e-3, 2));
+  EXPECT_NEAR(noise.sd, 1e-3, 1e-4);
+  EXPECT_EQ(noise.phi, 0);
+}
+
+TEST(Noise, CorrelatedNoiseAtUnevenTimesHasItsScatterAndCorrelation) {
+  Random random(4, 2);
+  TimedSamples x;
+  double e = normal(random), before = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = i + 0.4 * (2 * random.uniform() - 1), phi = std::pow(0.4, t - before);
+    if (i > 0) e = phi * e + std::sqrt(1 - phi * phi) * normal(random);
+    before = t;
+    x.time.push_back(t);
+    x.value.push_back(e);
+  }
+  const NoiseModel noise = noise_model(x);
+  EXPECT_NEAR(noise.sd, 1, 0.1);
+  EXPECT_NEAR(noise.phi, 0.4, 0.06);
+  EXPECT_NEAR(correlation_for(x, 1), 0.4, 0.03);
+}
+
+TEST(Noise, AtEqualTimesIsThatOfPlainDifferences) {
+  const TimedSamples x = thrown(400, 1e-3, 0, 3);
+  EXPECT_EQ(noise_from_differences(x), noise_from_differences(x.value));
+  EXPECT_EQ(noise_from_differences(x, 2), noise_from_differences(x.value, 2));
 }
 
 TEST(Noise, ExactOrShortSignalsHaveNone) {
@@ -83,6 +135,25 @@ TEST(Noise, OfABundleIsTheGivenOneOrThatOfAllRunsAndAxes) {
   EXPECT_NEAR(recorded_noise(bundle, {0, 1, 2, 3}).at("position").sd, 2e-3, 3e-4);
   bundle.noise["position"] = 5e-3;
   EXPECT_EQ(recorded_noise(bundle, {0, 1, 2, 3}).at("position").sd, 5e-3);
+}
+
+TEST(Noise, OfABundleWithUnevenTimesOrEmptyRowsIsThatOfTheSensor) {
+  const Flights f{.noise = 2e-3, .rate = 400};
+  Bundle holes = flights(f), jitter = flights({.noise = 0, .rate = 400});
+  Random random(3, 1);
+  for (std::size_t run = 0; run < holes.runs.size(); ++run) {
+    std::vector<Vec3>& position = holes.runs[run].observations[0].position;
+    for (std::size_t i = 1; i < position.size(); i += 2) position[i].setConstant(NAN);
+    Observation& o = jitter.runs[run].observations[0];
+    for (double& t : o.time) t += 0.4 / f.rate * (2 * random.uniform() - 1);
+    const Vec3 v = f.velocities[run];
+    for (std::size_t i = 0; i < o.time.size(); ++i) {
+      const double t = o.time[i];
+      o.position[i] = v * t - Vec3(0, 0, 4.905 * t * t) + f.noise * Vec3(normal(random), normal(random), normal(random));
+    }
+  }
+  EXPECT_NEAR(recorded_noise(holes, {0, 1, 2, 3}).at("position").sd, f.noise, 2e-4);
+  EXPECT_NEAR(recorded_noise(jitter, {0, 1, 2, 3}).at("position").sd, f.noise, 2e-4);
 }
 
 TEST(Noise, OfABundleIsNeverBelowTheResolution) {
@@ -120,7 +191,9 @@ TEST(Whitening, MakesCorrelatedNoiseIndependentOfUnitVariance) {
   }
   EXPECT_NEAR(neighbour_correlation(x), phi, 0.03);
   Eigen::VectorXd w = Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
-  whiten(w, phi);
+  std::vector<double> even(x.size());
+  std::iota(even.begin(), even.end(), 0.0);
+  whiten(w, phi, even);
   EXPECT_NEAR(w.squaredNorm() / static_cast<double>(w.size()), 1, 0.04);
   EXPECT_LT(neighbour_correlation(std::vector<double>(w.begin(), w.end())), 0.03);
 }
@@ -128,9 +201,45 @@ TEST(Whitening, MakesCorrelatedNoiseIndependentOfUnitVariance) {
 TEST(Whitening, KeepsTheFirstSample) {
   Eigen::VectorXd x(2);
   x << 3, 5;
-  whiten(x, 0.6);
+  whiten(x, 0.6, std::vector<double>{0, 0.1});
   EXPECT_DOUBLE_EQ(x[0], 3);
   EXPECT_DOUBLE_EQ(x[1], (5 - 0.6 * 3) / 0.8);
+}
+
+TEST(Whitening, FollowsTheTimes) {
+  // AR(1) noise of a sample each millisecond, of which two of three in the first half and one of three in the second were kept.
+  const double phi = 0.8;
+  std::vector<double> noise = with_noise(60000, 1, phi, 8), time, kept;
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    const double t = static_cast<double>(i) / static_cast<double>(noise.size());
+    if (i % 3 == 0 || (i % 3 == 1 && i < noise.size() / 2)) {
+      time.push_back(1e-3 * static_cast<double>(i));
+      kept.push_back(noise[i] - (2 * t - 4.9 * t * t));
+    }
+  }
+  std::vector<double> intervals = {time[1] - time[0], time[2] - time[1], time.back() - time[time.size() - 2]};
+  EXPECT_NEAR(intervals[0], 1e-3, 1e-9);
+  EXPECT_NEAR(intervals[1], 2e-3, 1e-9);
+  EXPECT_NEAR(intervals[2], 3e-3, 1e-9);
+  Eigen::VectorXd w = Eigen::Map<const Eigen::VectorXd>(kept.data(), static_cast<Eigen::Index>(kept.size()));
+  whiten(w, phi * phi, time);  // of the interval in the middle, 2 ms
+  std::vector<double> of_interval[3];
+  for (std::size_t i = 1; i < time.size(); ++i)
+    of_interval[std::lround((time[i] - time[i - 1]) / 1e-3) - 1].push_back(w[static_cast<Eigen::Index>(i)]);
+  for (const std::vector<double>& each : of_interval) {
+    double squares = 0;
+    for (const double x : each) squares += x * x;
+    EXPECT_NEAR(squares / static_cast<double>(each.size()), 1, 0.06);
+  }
+  EXPECT_LT(neighbour_correlation(std::vector<double>(w.begin(), w.end())), 0.03);
+}
+
+TEST(Whitening, ASampleThatComesTwiceIsNoOutlier) {
+  const std::vector<double> each = correlations(0.6, std::vector<double>{0, 1, 1.000001, 2, 3, 4});
+  EXPECT_EQ(each[0], 0);
+  EXPECT_EQ(each[1], 0.6);
+  EXPECT_EQ(each[2], 0.95);
+  EXPECT_EQ(each[4], 0.6);
 }
 
 TEST(Likelihood, IsTheGaussianDensity) {

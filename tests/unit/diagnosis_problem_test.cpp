@@ -184,6 +184,16 @@ TEST(StartValues, OfABodySeenThroughASeriesBeginWhereTheSceneStartsIt) {
   EXPECT_GT(start[0].step, 0);
 }
 
+TEST(StartValues, AreAsFreeWhereEveryOtherSampleIsMissing) {
+  Bundle bundle = flights({});
+  std::vector<Vec3>& position = bundle.runs[0].observations[0].position;
+  for (std::size_t i = 1; i < position.size(); i += 2) position[i].setConstant(NAN);
+  const std::vector<Parameter> start = start_values(bundle.runs[0], parse_yaml(bundle.scene.text, "scene"), {{"position", 1e-9}});
+  ASSERT_EQ(start.size(), 3u);
+  // Three tenths of the fastest that was seen: the ball falls at -0.0 to 3.9 m/s and flies at 3 m/s.
+  EXPECT_GT(start[0].prior_sd, 0.3 * 3);
+}
+
 TEST(StartValues, OfAnAxisThatWasNotObservedAreNotFree) {
   Bundle bundle = flights({});
   for (Vec3& x : bundle.runs[0].observations[0].position) x.y() = NAN;
