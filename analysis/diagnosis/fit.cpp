@@ -1,6 +1,7 @@
 #include "analysis/diagnosis/fit.hpp"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <cmath>
@@ -150,6 +151,15 @@ class Stop final : public ceres::IterationCallback {
   const std::function<bool()>& interrupted_;
 };
 
+/// Ceres tells of a start that fails on standard error, whatever `logging_type` says. Whoever fits sees it in the result.
+void silence_log() {
+  static const bool silent = [] {
+    FLAGS_minloglevel = google::GLOG_FATAL;
+    return true;
+  }();
+  static_cast<void>(silent);
+}
+
 void evaluate(const Problem& problem, Fit& fit) {
   fit.residual.clear();
   fit.chi2 = 0;
@@ -232,6 +242,7 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
   o.logging_type = ceres::SILENT;
   Stop stop(options.interrupted);
   o.callbacks = {&stop};
+  silence_log();
   ceres::Solver::Summary summary;
   ceres::Solve(o, &least_squares, &summary);
 

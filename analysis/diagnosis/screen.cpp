@@ -128,11 +128,10 @@ class Screening {
 
   /// Parameters that each run has for itself: all runs and parameters at once.
   Screened own() {
-    const std::size_t count = layout_.per_run[nominal_.runs.front()].size() - nominal_.layout.per_run[nominal_.runs.front()].size();
     std::vector<Eigen::VectorXd> columns;
     for (std::size_t i = 0; i < nominal_.runs.size(); ++i) {
       const std::size_t run = nominal_.runs[i], known = nominal_.layout.per_run[run].size();
-      for (std::size_t k = known; k < std::min(known + count, layout_.per_run[run].size()); ++k) {
+      for (std::size_t k = known; k < layout_.per_run[run].size(); ++k) {
         Values values = own_of(run, false);
         const double moved = 10 * layout_.per_run[run][k].step;
         values[static_cast<Eigen::Index>(k)] += moved;
@@ -144,9 +143,11 @@ class Screening {
     }
     Eigen::MatrixXd all(nuisance_.size(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t i = 0; i < columns.size(); ++i) all.col(static_cast<Eigen::Index>(i)) = columns[i];
-    const Probe probe{nuisance_.left_of(all), false};
-    best_.reached -= gain_of(probe, nuisance_.residual());
-    keep(probe);
+    Probe probe{nuisance_.left_of(all), false};
+    if (probe.basis.cols() > 0) {
+      best_.reached -= gain_of(probe, nuisance_.residual());
+      keep(std::move(probe));
+    }
     return std::move(best_);
   }
 

@@ -105,7 +105,7 @@ double reach(const Problem& problem, const Fit& fit, std::size_t index, double s
   return bracketed ? 0.5 * (inside + outside) : inside_rise > 0 ? std::min(most, inside * std::sqrt(wanted / inside_rise)) : most;
 }
 
-/// Standard errors of the values that `run`, the only one of the fit, has for itself.
+/// Standard errors of the values that `run` has for itself, from that run alone.
 Eigen::VectorXd own_errors(const Problem& problem, const Fit& fit, std::size_t run, double scale) {
   const RunJacobian j = jacobian(problem, fit, run);
   Eigen::MatrixXd all(j.own.rows(), j.shared.cols() + j.own.cols());
@@ -123,30 +123,53 @@ ParameterEstimate named_after(const Parameter& p, double value) {
   return e;
 }
 
-/// What an effect gives to each run for itself.
+/// What stays the same from run to run, wherever it stands in each: the parameter, and of a sensor what it reads.
+std::string identity(const Parameter& p, const BundleRun& run) {
+  std::string text = p.effect + "|" + p.key;
+  if (p.use != Parameter::Use::bias) return text + fmt::format("|{}", p.component);
+  const Observation& o = run.observations[static_cast<std::size_t>(p.component)];
+  text += "|" + o.name + "|" + o.body;
+  return o.axis ? text + fmt::format("|{} {} {}", o.axis->x(), o.axis->y(), o.axis->z()) : text;
+}
+
+/// What an effect gives to each run for itself: some runs may lack what others have.
+struct OverRuns {
+  std::string identity;
+  Parameter parameter;
+  std::vector<double> values;
+  std::size_t run = 0;      ///< the last one that has it, and where
+  Eigen::Index index = 0;
+};
+
+std::vector<OverRuns> collected_over_runs(const Problem& problem, const Fit& fit) {
+  std::vector<OverRuns> all;
+  for (const std::size_t run : fit.runs) {
+    std::map<std::string, int> in_this_run;
+    for (std::size_t i = 0; i < fit.layout.per_run[run].size(); ++i) {
+      const Parameter& p = fit.layout.per_run[run][i];
+      if (p.effect.empty()) continue;  // a start value
+      std::string what = identity(p, *problem.runs()[run].run);
+      what += fmt::format("|{}", ++in_this_run[what]);  // two sensors that read the same
+      auto known = std::find_if(all.begin(), all.end(), [&](const OverRuns& o) { return o.identity == what; });
+      if (known == all.end()) known = all.insert(all.end(), {what, p, {}});
+      const auto k = static_cast<Eigen::Index>(i);
+      known->values.push_back(fit.own[run][k]);
+      known->run = run;
+      known->index = k;
+    }
+  }
+  return all;
+}
+
 std::vector<ParameterEstimate> estimates_over_runs(const Problem& problem, const Fit& fit, double scale) {
   std::vector<ParameterEstimate> list;
-  if (fit.runs.empty()) return list;
-  Eigen::VectorXd se;
   std::map<std::string, int> seen;
-  for (const Parameter& p : fit.layout.per_run[fit.runs.front()]) {
-    if (p.effect.empty()) continue;  // a start value
-    std::vector<double> values;
-    double half = 0;
-    for (const std::size_t run : fit.runs)
-      for (std::size_t i = 0; i < fit.layout.per_run[run].size(); ++i) {
-        const Parameter& q = fit.layout.per_run[run][i];
-        const auto k = static_cast<Eigen::Index>(i);
-        if (q.effect != p.effect || q.key != p.key || q.component != p.component) continue;
-        values.push_back(fit.own[run][k]);
-        if (fit.runs.size() > 1) continue;
-        if (se.size() == 0) se = own_errors(problem, fit, run, scale);
-        half = ninety * se[k];
-      }
-    const Summary summary = summarise(values);
-    if (summary.n > 1) half = student_t_quantile(0.95, static_cast<int>(summary.n) - 1) * summary.se;
-    ParameterEstimate e = named_after(p, summary.mean);
-    if (const int number = ++seen[p.key]; number > 1) e.name += fmt::format(" ({})", number);
+  for (const OverRuns& o : collected_over_runs(problem, fit)) {
+    const Summary summary = summarise(o.values);
+    const double half = summary.n > 1 ? student_t_quantile(0.95, static_cast<int>(summary.n) - 1) * summary.se
+                                      : ninety * own_errors(problem, fit, o.run, scale)[o.index];
+    ParameterEstimate e = named_after(o.parameter, summary.mean);
+    if (const int number = ++seen[o.parameter.key]; number > 1) e.name += fmt::format(" ({})", number);
     e.lower = e.value - half;
     e.upper = e.value + half;
     list.push_back(e);

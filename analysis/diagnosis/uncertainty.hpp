@@ -27,10 +27,10 @@ struct ParameterEstimate {
   std::optional<Interval> over_runs;        ///< 90 %: of the bootstrap over runs
 };
 
-/// Of all shared parameters, then of those that an effect gives to each run for itself (a clock's offset, a sensor's bias; of several sensors
-/// the second is called "sensor_bias.bias (2)"). Intervals of shared ones are those of the profile likelihood if `profiled`, else of the
-/// curvature at the fit; of the others the mean over the runs has Student's, and the value of a single run the curvature's. `scale`: of the
-/// residuals, in units of the noise.
+/// Of all shared parameters, then of those that an effect gives to runs for themselves (a clock's offset, a sensor's bias). Sensors are told
+/// apart by name, body and axis, and a run may lack some that others have; the second is called "sensor_bias.bias (2)". Intervals of
+/// shared ones are those of the profile likelihood if `profiled`, else of the curvature at the fit; of the others the mean over the runs that
+/// have it has Student's, and the value of a single run the curvature's. `scale`: of the residuals, in units of the noise.
 std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit, double scale, bool profiled, std::uint64_t seed,
                                          const FitOptions& options);
 

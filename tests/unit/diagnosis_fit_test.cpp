@@ -177,6 +177,26 @@ TEST(Fit, WalksAroundPointsThatCannotBeSimulated) {
   EXPECT_LT(fit.per_dof(), 2);
 }
 
+TEST(Fit, SaysNothingOnStandardErrorWhereItIsInterrupted) {
+  const Bundle bundle = flights({});
+  bool interrupted = false;
+  const Problem problem(bundle, {0}, [&](const SimulationRequest& request) {
+    if (interrupted) throw Error("", "interrupted", "", Error::Kind::simulation);
+    return fly(request);
+  });
+  Fit start = start_of(problem, problem.layout({}), {0});
+  ::testing::internal::CaptureStderr();
+  // The optimiser's coordinates round: of some starts it cannot simulate the first point again.
+  for (int n = 0; n < 20; ++n) {
+    start.own[0] << 2.9 + 0.011 * n, 0.01 + 0.007 * n, 1.9 + 0.013 * n;
+    interrupted = false;
+    start = evaluated(problem, start);
+    interrupted = true;
+    EXPECT_EQ(minimise(problem, start, {}).own[0], start.own[0]);
+  }
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
 TEST(Fit, BegunWhereNothingRunsIsHandedBack) {
   const Bundle bundle = flights({});
   const Problem problem(bundle, {0}, explosive);
@@ -282,6 +302,38 @@ TEST(Intervals, OfWhatASingleRunHasForItselfCoverTheTruthAsOftenAsTheySay) {
   // 54 expected; binomial limits of 0.1 %.
   EXPECT_GE(covered, 45);
   EXPECT_LT(covered, 60);
+}
+
+/// Flights whose first run has the path, the others the height alone, read `bias` too high, and in the last run after the path.
+Bundle heights(double bias) {
+  Bundle bundle = flights({.noise = 1e-4});
+  bundle.noise = {{"position", 1e-4}, {"height", 1e-4}};
+  for (std::size_t k = 1; k < bundle.runs.size(); ++k) {
+    BundleRun& run = bundle.runs[k];
+    const Observation path = run.observations[0];
+    Observation height = path;
+    height.kind = ObservableKind::series;
+    height.name = "height";
+    height.unit = "m";
+    height.position.clear();
+    for (const Vec3& x : path.position) height.value.push_back(x.z() + bias + 1e-3 * static_cast<double>(k));
+    run.free.clear();
+    run.observations = {height};
+    if (k + 1 == bundle.runs.size()) run.observations = {path, height};
+  }
+  return bundle;
+}
+
+TEST(Intervals, OfASensorThatSomeRunsLackAreOfThoseThatHaveIt) {
+  const Bundle bundle = heights(0.02);
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = minimise(problem, start_of(problem, problem.layout(of("sensor_bias")), all(bundle)), {});
+  const std::vector<ParameterEstimate> found = estimates(problem, fit, 1, false, 1, {});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name, "sensor_bias.bias");
+  EXPECT_NEAR(found[0].value, 0.022, 1e-4);
+  // 0.021, 0.022, 0.023: t(0.95, 2) = 2.919986 times 0.001 / sqrt(3).
+  EXPECT_NEAR(found[0].upper - found[0].value, 2.919986e-3 / std::sqrt(3), 2e-4);
 }
 
 TEST(Intervals, OfTheRunsNeedSixAndAreOfTheSameSize) {

@@ -78,6 +78,28 @@ TEST(Screening, AnEffectThatDoesNothingHasNoProbe) {
   const Fit fit = nominal_fit(problem);
   const Nuisance nuisance(problem, fit);
   EXPECT_TRUE(screen(problem, fit, nuisance, {find_effect("rolling_friction"), "foam-stone"}, 10).probes.empty());
+  EXPECT_TRUE(screen(problem, fit, nuisance, term("sensor_bias"), 10).probes.empty()) << "no series, no sensor to be wrong";
+}
+
+TEST(Screening, ASensorThatTheFirstRunLacksIsLookedAt) {
+  Bundle bundle = flights({.noise = 1e-4});
+  bundle.noise = {{"position", 1e-4}, {"height", 1e-4}};
+  for (std::size_t k = 1; k < bundle.runs.size(); ++k) {
+    Observation& o = bundle.runs[k].observations[0];
+    o.kind = ObservableKind::series;
+    o.name = "height";
+    o.unit = "m";
+    for (const Vec3& x : o.position) o.value.push_back(x.z() + 0.02);
+    o.position.clear();
+    bundle.runs[k].free.clear();
+  }
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  const Screened bias = screen(problem, fit, nuisance, term("sensor_bias"), 10);
+  ASSERT_EQ(bias.probes.size(), 1u);
+  EXPECT_EQ(bias.probes[0].basis.cols(), 3);
+  EXPECT_LT(bias.reached, 0.01 * fit.chi2);
 }
 
 TEST(Hypothesis, FreesWhatTheSceneStates) {
