@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/error.hpp"
 #include "core/random.hpp"
@@ -15,6 +16,7 @@ using Eigen::Index;
 
 constexpr std::size_t enough_replicates = 3;
 constexpr std::size_t least_to_split = 3;
+constexpr double longer = 1.05;  // than the shortest: worth a note
 
 bool same_settings(const std::vector<Override>& a, const std::vector<Override>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Override& x, const Override& y) { return x.path == y.path && x.value == y.value; });
@@ -26,6 +28,27 @@ bool is_always_zero(const BulkSummary& summary, const Bundle& bundle) {
     const bool stated = std::any_of(run.observations.begin(), run.observations.end(), [&](const Observation& o) { return o.name == summary.observable && o.sd > 0; });
     return !stated && value_of(summary, run.observations) == 0;
   });
+}
+
+/// Runs of equal settings, in the order of the bundle.
+std::vector<std::vector<std::size_t>> settings_of(const Bundle& bundle) {
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
+    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return same_settings(bundle.runs[g.front()].set, bundle.runs[i].set); });
+    if (group == groups.end())
+      groups.push_back({i});
+    else
+      group->push_back(i);
+  }
+  return groups;
+}
+
+/// Time of the last value; infinite for what is no series, or has none.
+double end_of(const Observation& o) {
+  if (o.kind == ObservableKind::series)
+    for (std::size_t i = o.time.size(); i > 0; --i)
+      if (std::isfinite(o.value[i - 1])) return o.time[i - 1];
+  return INFINITY;
 }
 
 std::vector<BulkSummary> common_summaries(const Bundle& bundle, std::vector<std::string>& notes) {
@@ -76,18 +99,10 @@ BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::st
     for (std::size_t k = 0; k < data.summaries.size(); ++k)
       if (data.summaries[k].name == chosen.name) data.tested.push_back(static_cast<Index>(k));
 
-  std::vector<std::vector<std::size_t>> groups;
-  for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
-    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return same_settings(bundle.runs[g.front()].set, bundle.runs[i].set); });
-    if (group == groups.end())
-      groups.push_back({i});
-    else
-      group->push_back(i);
-  }
   Random random(seed, 7);
   std::vector<std::string> held_ids;
   std::size_t fewest = bundle.runs.size();
-  for (const std::vector<std::size_t>& group : groups) {
+  for (const std::vector<std::size_t>& group : settings_of(bundle)) {
     BulkSetting setting;
     setting.set = bundle.runs[group.front()].set;
     if (bundle.split_given)
@@ -112,6 +127,35 @@ BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::st
         if (o.kind == ObservableKind::scalar && o.name == data.summaries[k].name)
           data.extra[static_cast<Index>(k)] = std::max(data.extra[static_cast<Index>(k)], o.sd * o.sd);
   return data;
+}
+
+Bundle of_equal_length(Bundle bundle, std::vector<std::string>& notes) {
+  struct Shortest {
+    double end = INFINITY;
+    std::string run;
+    std::vector<std::string> cut;  // runs that last longer
+  };
+  for (const std::vector<std::size_t>& group : settings_of(bundle)) {
+    std::map<std::pair<std::string, std::string>, Shortest> by_series;  // name, body
+    for (const std::size_t i : group)
+      for (const Observation& o : bundle.runs[i].observations)
+        if (Shortest& s = by_series[{o.name, o.body}]; end_of(o) < s.end) s = {end_of(o), bundle.runs[i].id, {}};
+    for (const std::size_t i : group)
+      for (Observation& o : bundle.runs[i].observations) {
+        Shortest& s = by_series[{o.name, o.body}];
+        const double end = end_of(o);
+        if (!std::isfinite(end)) continue;
+        if (end > longer * s.end) s.cut.push_back(bundle.runs[i].id);
+        const auto kept = static_cast<std::size_t>(std::upper_bound(o.time.begin(), o.time.end(), s.end) - o.time.begin());
+        o.time.resize(kept);
+        o.value.resize(kept);
+      }
+    for (const auto& [series, s] : by_series)
+      if (!s.cut.empty())
+        notes.push_back(fmt::format("`{}` of {} is cut at {:.4g} s, where that of {} ends: runs of one setting are compared over one time. If {} broke off, leave it out.",
+                                    series.first, fmt::join(s.cut, ", "), s.end, s.run, s.run));
+  }
+  return bundle;
 }
 
 }  // namespace repose::diagnosis

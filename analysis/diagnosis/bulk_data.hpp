@@ -9,4 +9,8 @@ namespace repose::diagnosis {
 /// `notes`: what was left out, and the split. Throws Error if no summary is left.
 BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::string>& notes);
 
+/// The bundle with every series cut where the shortest one of its setting ends (its last value): a mass in the end, or a load, is that of the end,
+/// and runs of one setting are compared with the same simulations. `notes`: series that last longer by more than 5 %.
+Bundle of_equal_length(Bundle bundle, std::vector<std::string>& notes);
+
 }  // namespace repose::diagnosis

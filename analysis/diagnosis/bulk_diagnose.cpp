@@ -89,7 +89,7 @@ std::vector<std::vector<Observation>> recorded(const Bundle& bundle, const std::
 class BulkDiagnosing {
  public:
   BulkDiagnosing(const Bundle& bundle, const SimulateBulk& simulate, const BulkOptions& options)
-      : bundle_(bundle), options_(options), result_{}, campaign_(bundle, prepared(), simulate, options_) {}
+      : result_{}, bundle_(of_equal_length(bundle, result_.notes)), options_(options), campaign_(bundle_, prepared(), simulate, options_) {}
 
   BulkDiagnosis run() {
     try {
@@ -240,9 +240,9 @@ class BulkDiagnosing {
     }
   }
 
-  const Bundle& bundle_;
-  const BulkOptions options_;
   BulkDiagnosis result_;
+  const Bundle bundle_;
+  const BulkOptions options_;
   BulkCampaign campaign_;
   std::vector<const BulkModel*> models_;
 };

@@ -15,12 +15,13 @@ struct BulkLocated {
   std::optional<double> radius_from, radius_to;    ///< part of a profile [m]
   double difference = 0;              ///< recorded minus simulated, mean over the part, in the observable's unit
   double in_scatter = 0;              ///< the same in standard deviations of one run
-  double p = 1;                       ///< Welch's t test, corrected for all parts (Holm)
+  double p = 1;                       ///< of the test, corrected for all parts (Holm)
 };
 
 /// `recorded`, `simulated`: observations of replicates, sampled alike (bulk_sampling.hpp). Profiles are parted by radius, series by the time between 2 % and 98 % of the rise of
-/// the simulated mean (the whole time if it does not rise); scalars stand whole, and so do surfaces, by mean height and roughness. Sorted by p. Fewer than two recorded runs: none can be
-/// tested, p = 1.
+/// the simulated mean (the whole time if it does not rise); scalars stand whole, and so do surfaces, by mean height and roughness. Sorted by p. Tested by
+/// Welch's t; a single recorded run by Student's t of one value more of the simulated sample, (x - mean) / (sd sqrt(1 + 1/n)) with n - 1 degrees of
+/// freedom. Without a recorded run, or with fewer than two simulated ones, a part is left out.
 std::vector<BulkLocated> locate_bulk(const std::vector<std::vector<Observation>>& recorded, const std::vector<std::vector<Observation>>& simulated);
 
 }  // namespace repose::diagnosis

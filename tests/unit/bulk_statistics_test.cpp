@@ -7,6 +7,7 @@
 
 #include "analysis/bundle/sensor.hpp"
 #include "analysis/diagnosis/bulk_candidate.hpp"
+#include "analysis/diagnosis/bulk_data.hpp"
 #include "analysis/diagnosis/bulk_emulator.hpp"
 #include "analysis/diagnosis/bulk_posterior.hpp"
 #include "analysis/diagnosis/bulk_sampling.hpp"
@@ -234,6 +235,36 @@ TEST(SamplingTest, ASimulationIsReadAtTheRecordedTimes) {
   const Observation seen = sampled_like({made}, {taken}).front();
   EXPECT_EQ(seen.time, (std::vector<double>{-1, 0.5, 1.5, 3}));
   EXPECT_EQ(seen.value, (std::vector<double>{0, 5, 15, 20}));
+}
+
+TEST(BulkDataTest, RunsOfOneSettingAreUsedAsLongAsTheShortestLasts) {
+  Bundle bundle;
+  for (const double end : {2.0, 4.0, 3.0, 1.0}) {
+    Observation o;
+    o.kind = ObservableKind::series;
+    o.name = "discharged_mass";
+    for (int i = 0; 0.1 * i <= end + 1e-9; ++i) {
+      o.time.push_back(0.1 * i);
+      o.value.push_back(0.1 * i);
+    }
+    o.value.back() = NAN;  // the last value is a sample earlier
+    BundleRun run;
+    run.id = std::to_string(static_cast<int>(end)) + "-s";
+    run.observations = {o};
+    bundle.runs.push_back(run);
+  }
+  bundle.runs.back().set = {{"tools.funnel.outlet", "0.02"}};
+  std::vector<std::string> notes;
+  const Bundle equal = of_equal_length(bundle, notes);
+  const BulkSummary poured{"poured_mass", "discharged_mass", "flow", "kg"};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(value_of(poured, equal.runs[i].observations), 1.9, 1e-9) << i;
+  EXPECT_NEAR(value_of(poured, equal.runs[3].observations), 0.9, 1e-9) << "a setting of its own";
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("of 4-s, 3-s is cut at 1.9 s, where that of 2-s ends"), std::string::npos) << notes[0];
+  notes.clear();
+  bundle.runs.resize(1);
+  EXPECT_EQ(of_equal_length(bundle, notes).runs[0].observations[0].time.size(), 20u) << "of 21, the last without a value";
+  EXPECT_TRUE(notes.empty());
 }
 
 TEST(PosteriorTest, OfALineIsNormal) {
