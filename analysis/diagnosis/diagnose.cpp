@@ -174,8 +174,9 @@ class Diagnosing {
     model.train = score_of(problem_, model.fit);
     const Layout plain = problem_.layout({});
     model.extra_parameters = static_cast<int>(model.fit.layout.shared.size() - plain.shared.size());
-    model.form_parameters =
-        model.extra_parameters + static_cast<int>(model.fit.layout.per_run[train_.front()].size() - plain.per_run[train_.front()].size());
+    std::size_t in_a_run = 0;
+    for (const std::size_t run : train_) in_a_run = std::max(in_a_run, model.fit.layout.per_run[run].size() - plain.per_run[run].size());
+    model.form_parameters = model.extra_parameters + static_cast<int>(in_a_run);
     const std::vector<std::size_t>& judged = held_.empty() ? train_ : held_;
     for (const std::size_t run : judged)
       model.extra_parameters += static_cast<int>(model.fit.layout.per_run[run].size() - plain.per_run[run].size());

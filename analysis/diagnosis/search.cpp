@@ -89,7 +89,9 @@ void Search::calibrate() {
     for (const double share : {0.05, 0.2, 0.6}) {
       Fit start = best;
       const Parameter& p = layout.shared[i];
-      start.shared[static_cast<Eigen::Index>(i)] = p.lower + share * (std::min(p.upper, p.lower + 10 * std::max(1.0, std::abs(p.start))) - p.lower);
+      start.shared[static_cast<Eigen::Index>(i)] =
+          p.logarithmic ? p.lower * std::pow(p.upper / p.lower, share)
+                        : p.lower + share * (std::min(p.upper, p.lower + 10 * std::max(1.0, std::abs(p.start))) - p.lower);
       Fit other = improved(start);
       if (other.chi2 < best.chi2 - gains_to_matter) best = std::move(other);  // a constant that does nothing stays where it was
     }
