@@ -88,7 +88,7 @@ TEST(Screening, ASensorThatTheFirstRunLacksIsLookedAt) {
     Observation& o = bundle.runs[k].observations[0];
     o.kind = ObservableKind::series;
     o.name = "height";
-    o.unit = "m";
+    o.unit.assign(1, 'm');  // GCC 12 warns of "m"
     for (const Vec3& x : o.position) o.value.push_back(x.z() + 0.02);
     o.position.clear();
     bundle.runs[k].free.clear();
