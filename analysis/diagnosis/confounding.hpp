@@ -1,9 +1,9 @@
 #pragma once
 /// The recording that would tell two fitted models apart.
+#include <optional>
 #include <string>
-#include <vector>
 
-#include "analysis/diagnosis/fit.hpp"
+#include "analysis/diagnosis/changed_recording.hpp"
 
 namespace repose::diagnosis {
 
@@ -13,11 +13,17 @@ struct SuggestedRecording {
   double power = 0;            ///< chance that a test at 1 % tells them apart, with this many runs and this noise
 };
 
-/// Simulates both fits with changed starts (speeds, spins and heights, free or given) and with changed settings (plain numbers that the
-/// bundle sets for its runs: a size, a mass), halved, doubled and quadrupled, one kind at a time, on every run of `first`, and takes the change
-/// with the largest separation
-///   lambda = |(1 - P_J)(r_first - r_second)|^2,   power = P(N(0, 1) > 2.58 - sqrt(lambda)),
-/// where P_J projects on what free start values could imitate. Without anything to change: the same runs again, more often.
+/// Below this chance a recording is not worth making for the sake of it.
+inline constexpr double worth_recording = 0.5;
+
+/// Of all changes (changed_recording.hpp) the one with the largest chance to tell the models apart. Its chance may be small: then none of them does.
 SuggestedRecording recording_that_parts(const Problem& problem, const Fit& first, const Fit& second);
+
+/// The chance that every run of `first`, recorded once more with this change, gives: P(N(0, 1) > 2.58 - sqrt(lambda)). lambda is what is left if one
+/// of them is the truth and the other may move its constants, but only as far as the recordings that there are let it, and all start values that are free,
+///   lambda = min over shared d and start values e of   sum over runs |r_truth - r_rival(d, e)|^2 + d^T I d,
+/// with I the information (J^T J) of the recordings that there are; by Gauss and Newton. The smaller of both ways round; where one model holds the other's
+/// effects it is the truth, for it could imitate all that the other does. None if no run has anything to change or none can be simulated so.
+std::optional<double> chance_to_part(const Problem& problem, const Fit& first, const Fit& second, const Change& change);
 
 }  // namespace repose::diagnosis

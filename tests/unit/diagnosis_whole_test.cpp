@@ -22,12 +22,6 @@ DiagnoseOptions quick() {
   return options;
 }
 
-FitOptions steps(int iterations) {
-  FitOptions fit;
-  fit.iterations = iterations;
-  return fit;
-}
-
 Flights six(std::uint64_t seed, const std::string& truth) {
   Flights f;
   f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
@@ -409,48 +403,6 @@ TEST(Diagnosis, DoesNotChooseBetweenDragsThatTheRecordingsCannotPart) {
   EXPECT_GT(of("quadratic_drag"), 0.05);
   EXPECT_GT(of("linear_drag"), 0.05);
   ASSERT_FALSE(d.suggested.empty());
-}
-
-TEST(Confounding, ARecordingThatPartsTwoDragsIsAFasterOne) {
-  // Slow balls: linear and quadratic drag look alike; at four times the speed they do not.
-  Flights f = six(9, drag);
-  const Bundle bundle = flights(f);
-  const Problem problem(bundle, {0, 1, 2, 3, 4, 5}, fly);
-  const auto fitted = [&](const char* name, double value) {
-    Fit start = start_of(problem, problem.layout({{{find_effect(name), ""}}}), {0, 1, 2, 3, 4, 5});
-    start.shared[0] = value;
-    return minimise(problem, start, steps(30));
-  };
-  const SuggestedRecording s = recording_that_parts(problem, fitted("quadratic_drag", 0.4), fitted("linear_drag", 0.001));
-  EXPECT_EQ(s.what, "start at 4 times the speed");
-  EXPECT_GT(s.power, 0.9);
-  EXPECT_EQ(s.first, "quadratic_drag");
-  EXPECT_EQ(s.second, "linear_drag");
-}
-
-TEST(Confounding, StartsThatAreGivenCanBeChangedAsWell) {
-  Bundle bundle = flights(six(9, drag));
-  for (BundleRun& run : bundle.runs) run.free.clear();
-  const Problem problem(bundle, {0, 1, 2, 3, 4, 5}, fly);
-  const auto fitted = [&](const char* name, double value) {
-    Fit start = start_of(problem, problem.layout({{{find_effect(name), ""}}}), {0, 1, 2, 3, 4, 5});
-    start.shared[0] = value;
-    return minimise(problem, start, steps(30));
-  };
-  EXPECT_EQ(recording_that_parts(problem, fitted("quadratic_drag", 0.4), fitted("linear_drag", 0.001)).what, "start at 4 times the speed");
-}
-
-TEST(Confounding, AForceAndATiltArePartedByAnotherBall) {
-  // No speed tells a constant force from a tilt, but the lighter of two balls feels the force more.
-  Bundle bundle = flights(six(9, "{uniform_force: {force: [0.0005, 0, 0]}}"));
-  for (BundleRun& run : bundle.runs) run.set.push_back({"shapes.ball.radius", "0.02"});
-  const Problem problem(bundle, {0, 1, 2, 3, 4, 5}, fly);
-  const auto fitted = [&](const char* name) {
-    return minimise(problem, start_of(problem, problem.layout({{{find_effect(name), ""}}}), {0, 1, 2, 3, 4, 5}), steps(30));
-  };
-  const SuggestedRecording s = recording_that_parts(problem, fitted("uniform_force"), fitted("gravity_tilt"));
-  EXPECT_EQ(s.what, "set shapes.ball.radius to 0.5 times its value");
-  EXPECT_GT(s.power, 0.99);
 }
 
 }  // namespace
