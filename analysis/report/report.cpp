@@ -83,7 +83,7 @@ void Page::series_table(const Chart& chart, const Series& series) {
            "</th>";
   };
   html += "<table><caption>" + escaped(series.name);
-  if (step > 1) html += fmt::format(" (every {}th of {} points)", step, n);
+  if (step > 1) html += fmt::format(" (one point in {} of {} is listed)", step, n);
   html += "</caption><thead><tr>" + heading(chart.x) + heading(chart.y);
   if (!series.error.empty()) html += "<th scope=\"col\">±</th>";
   html += "</tr></thead><tbody>\n";

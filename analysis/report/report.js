@@ -29,22 +29,43 @@
     return nearest;
   };
 
-  // The same words at the top of every stretch, where they fit.
   const shadeWindows = (chart, options) => {
+    const { ctx, chartArea: area, scales } = chart;
+    ctx.fillStyle = withAlpha(options.shade, 0.16);
+    for (const window of options.windows) {
+      const left = scales.x.getPixelForValue(window.from), right = scales.x.getPixelForValue(window.to);
+      ctx.fillRect(left, area.top, Math.max(2, right - left), area.bottom - area.top);
+    }
+  };
+
+  // Over the points, with a rim of the paper's colour: legible wherever it falls.
+  const write = (ctx, text, x, y, colour, paper) => {
+    ctx.lineWidth = 4;
+    ctx.lineJoin = "round";
+    ctx.strokeStyle = paper;
+    ctx.strokeText(text, x, y);
+    ctx.fillStyle = colour;
+    ctx.fillText(text, x, y);
+  };
+
+  // The same words at the top of every stretch, where they fit; the name of a band beside it.
+  const writeNames = (chart, options) => {
     const { ctx, chartArea: area, scales } = chart;
     let free = area.left;
     ctx.font = "12px " + getComputedStyle(document.body).fontFamily;
     ctx.textAlign = "left";
     for (const window of options.windows) {
-      const left = scales.x.getPixelForValue(window.from), right = scales.x.getPixelForValue(window.to);
-      ctx.fillStyle = withAlpha(options.shade, 0.16);
-      ctx.fillRect(left, area.top, Math.max(2, right - left), area.bottom - area.top);
       const width = ctx.measureText(window.name).width;
-      const at = Math.max(left + 6, free);
+      const at = Math.max(scales.x.getPixelForValue(window.from) + 6, free);
       if (at + width > area.right) continue;
-      ctx.fillStyle = options.shade;
-      ctx.fillText(window.name, at, area.top + 16);
+      write(ctx, window.name, at, area.top + 14, options.shade, options.paper);
       free = at + width + 12;
+    }
+    for (const band of options.bands) {
+      const middle = scales.y.getPixelForValue(band.value);
+      const atRight = clearance(chart, middle, 0.7, 1) >= clearance(chart, middle, 0, 0.3);
+      ctx.textAlign = atRight ? "right" : "left";
+      write(ctx, band.name, atRight ? area.right - 8 : area.left + 8, middle - 6, options.ink, options.paper);
     }
   };
 
@@ -74,15 +95,10 @@
         ctx.lineTo(area.right, middle);
         ctx.stroke();
         ctx.setLineDash([]);
-        ctx.fillStyle = options.ink;
-        ctx.font = "12px " + getComputedStyle(document.body).fontFamily;
-        const atRight = clearance(chart, middle, 0.7, 1) >= clearance(chart, middle, 0, 0.3);
-        ctx.textAlign = atRight ? "right" : "left";
-        ctx.fillText(band.name, atRight ? area.right - 8 : area.left + 8, middle - 6);
       }
       ctx.restore();
     },
-    afterDatasetsDraw(chart) {
+    afterDatasetsDraw(chart, _args, options) {
       const { ctx, chartArea: area, scales } = chart;
       ctx.save();
       ctx.beginPath();
@@ -108,6 +124,7 @@
         }
         ctx.stroke();
       });
+      writeNames(chart, options);
       ctx.restore();
     },
   };
@@ -141,6 +158,7 @@
     if (!logarithmic) {
       result.suggestedMin = axis === "x" && !marked ? low : low - room;
       result.suggestedMax = axis === "x" && !marked ? high : high + room;
+      if (axis === "y" && data.windows.length > 0) result.suggestedMax = high + 0.14 * (high - low);  // the names of stretches stand there
       if (low >= 0 && low - room < 0) result.suggestedMin = 0;
     } else {
       const decade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
@@ -183,7 +201,7 @@
   const draw = (holder) => {
     const data = JSON.parse(holder.textContent);
     const canvas = document.getElementById(holder.dataset.canvas);
-    const colours = { ink: style("--ink"), soft: style("--soft"), line: style("--line"), shade: style("--warn") };
+    const colours = { ink: style("--ink"), soft: style("--soft"), line: style("--line"), shade: style("--warn"), paper: style("--card") };
     const palette = isDark() ? darkColours : lightColours;
     const datasets = data.series.map((series, index) => {
       const colour = palette[index % palette.length];
@@ -226,7 +244,7 @@
               },
             },
           },
-          bandsAndErrors: { bands: data.bands, windows: data.windows, ink: colours.ink, shade: colours.shade },
+          bandsAndErrors: { bands: data.bands, windows: data.windows, ink: colours.ink, shade: colours.shade, paper: colours.paper },
         },
       },
       plugins: [bandsAndErrors],
