@@ -133,7 +133,7 @@ Chart force_chart(const Diagnosis& d) {
 Bars ranking(const Diagnosis& d) {
   Bars bars{"What could explain it", {}, ""};
   for (const Ranked& r : d.verdict.ranked) {
-    Bar bar{effects_in_words(r.effects), std::clamp(r.probability, 0.0, 1.0), "", false};
+    Bar bar{effects_in_words(effects_in_order(d, r)), std::clamp(r.probability, 0.0, 1.0), "", false};
     if (r.model >= 0) {
       const FittedHypothesis& m = d.models[static_cast<std::size_t>(r.model)];
       std::string places;

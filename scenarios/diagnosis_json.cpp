@@ -22,21 +22,18 @@ json parameters_json(const FittedHypothesis& model, const std::string& effect) {
   return list;
 }
 
-std::vector<std::string> names_of(const Diagnosis& d, const std::string& label) {
-  for (const FittedHypothesis& m : d.models)
-    if (m.hypothesis.label() == label) return m.hypothesis.names();
-  return {};
-}
-
-/// What `first` has and `second` has not: "none" if nothing.
-std::string only_in(std::vector<std::string> first, const std::vector<std::string>& second) {
-  std::erase_if(first, [&](const std::string& name) { return std::find(second.begin(), second.end(), name) != second.end(); });
-  return first.empty() ? "none" : fmt::format("{}", fmt::join(first, " + "));
-}
-
 json suggestion_json(const Diagnosis& d, const SuggestedRecording& s) {
   const std::vector<std::string> first = names_of(d, s.first), second = names_of(d, s.second);
-  return {{"what", s.what}, {"separates", {only_in(first, second), only_in(second, first)}}, {"power", s.power}};
+  const auto written = [](const std::vector<std::string>& names) { return names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, " + ")); };
+  return {{"what", s.what}, {"separates", {written(only_in(first, second)), written(only_in(second, first))}}, {"power", s.power}};
+}
+
+json noise_json(const Diagnosis& d, const std::string& observable, const NoiseModel& noise) {
+  json result = {{"sd", noise.sd}, {"correlation", noise.phi}};
+  if (const auto stated = d.stated_noise.find(observable); stated != d.stated_noise.end()) result["stated"] = stated->second;
+  if (const auto sensor = d.sensor_noise.find(observable); sensor != d.sensor_noise.end()) result["of_recordings"] = sensor->second;
+  if (const std::string why = raised_noise_in_words(d, observable); !why.empty()) result["why"] = why;
+  return result;
 }
 
 json score_json(const Diagnosis& d, const FittedHypothesis& model, bool held) {
@@ -69,10 +66,10 @@ json diagnosis_json(const Diagnosis& d) {
   result["headline"] = diagnosis_in_words(d);
   result["missing"] = json::array();
   const bool named = d.verdict.word != "none" && d.verdict.word != "unknown";
-  for (const std::string& effect : named ? best.hypothesis.names() : std::vector<std::string>{})
+  for (const std::string& effect : named ? names_in_order(best.hypothesis) : std::vector<std::string>{})
     result["missing"].push_back({{"effect", effect}, {"probability", probability_of(d, effect)}, {"parameters", parameters_json(best, effect)}});
   for (const Ranked& r : d.verdict.ranked) {
-    json entry = {{"effects", r.effects}, {"probability", r.probability}};
+    json entry = {{"effects", effects_in_order(d, r)}, {"probability", r.probability}};
     if (r.model >= 0) {
       const FittedHypothesis& model = d.models[static_cast<std::size_t>(r.model)];
       entry["heldout_log_likelihood"] = model.held_out.log_likelihood;
@@ -115,7 +112,7 @@ json diagnosis_json(const Diagnosis& d) {
   for (const Compared& c : d.compared) result["compared"].push_back({{"run", c.run}, {"until", c.until}, {"recorded_until", c.recorded_until}});
   result["extended_scene"] = "extended.yaml";
   if (const std::string& backend = d.models[d.best].fit.layout.numerics.backend; !backend.empty()) result["extended_backend"] = backend;
-  for (const auto& [name, noise] : d.noise) result["noise"][name] = {{"sd", noise.sd}, {"correlation", noise.phi}};
+  for (const auto& [name, noise] : d.noise) result["noise"][name] = noise_json(d, name, noise);
   result["remaining_p"] = d.remaining_p;
   result["explained"] = d.explained;
   result["simulations"] = d.simulations;

@@ -5,7 +5,9 @@
 /// alone or with another; those of `ranked` sum to 1. A parameter that each run has for itself (a clock's offset) is given as its mean
 /// over the fitted runs. `separates` names what the two explanations do not share; `none`: nothing more.
 /// Beside the keys of the contract: `headline`, `noise`, `explained`, `remaining_p`, `notes`, `simulations`, and under `fit` the start
-/// values of each run (`own`), with which extended.yaml gives the stated score.
+/// values of each run (`own`), with which extended.yaml gives the stated score. `noise` gives for each observable `sd` (used), `stated` (by the bundle),
+/// `of_recordings` (before what a simulation's step may err by) and, where they differ, `why`. Effects of a candidate: first those that the scene lacks,
+/// then those whose constants it states. A suggested recording of small `power` is the best that was tried: none would do.
 #include <nlohmann/json.hpp>
 
 #include "analysis/diagnosis/diagnose.hpp"

@@ -16,6 +16,8 @@ namespace {
 using namespace diagnosis;
 using namespace report;
 
+constexpr double least_shown = 0.1;        // share that a curve explains: below it, its chart shows nothing
+constexpr std::size_t runs_for_a_chart = 4;
 constexpr std::size_t most_places = 10, most_residual_charts = 12, charts_in_front = 2;
 
 std::string three(double x) { return number(x, 3); }
@@ -28,13 +30,13 @@ std::vector<Headline> headlines(const Diagnosis& d) {
   std::vector<Headline> list;
   list.push_back({where, error_in_sigma(best.held_out), std::nullopt, "σ", d.best == 0 ? "1 σ is the noise alone" : fmt::format("before: {} σ", three(error_in_sigma(nominal.held_out)))});
   if (d.best != 0 && d.verdict.word != "unknown")
-    for (const std::string& effect : best.hypothesis.names())
+    for (const std::string& effect : names_in_order(best.hypothesis))
       for (const ParameterEstimate& p : parameters_of(best, effect))
         if (list.size() < 4)
           list.push_back({symbol_of(p.name) + " of " + effects_in_words({effect}), p.value, 0.5 * (p.upper - p.lower), written_unit(p.unit), "half the 90 % interval"});
   if (d.best == 0) list.push_back({"Lack of fit, p", d.lack_of_fit_p, std::nullopt, "", fmt::format("from {} replicas of noise", d.replicas)});
   const Ranked& first = d.verdict.ranked.front();
-  list.push_back({"Probability of " + effects_in_words(first.effects), 100 * first.probability, std::nullopt, "%", ""});
+  list.push_back({"Probability of " + effects_in_words(effects_in_order(d, first)), std::round(100 * first.probability), std::nullopt, "%", ""});
   return list;
 }
 
@@ -58,7 +60,7 @@ Table parameters(const Diagnosis& d) {
   Table table{"Constants", {"constant", "of", "value", "90 % from", "to", "unit"}, {}, {}};
   const FittedHypothesis& best = d.models[d.best];
   std::vector<ParameterEstimate> all = parameters_of(best, "");
-  for (const std::string& effect : best.hypothesis.names())
+  for (const std::string& effect : names_in_order(best.hypothesis))
     for (const ParameterEstimate& p : parameters_of(best, effect)) all.push_back(p);
   for (const ParameterEstimate& p : all)
     table.rows.push_back({p.name, p.effect.empty() ? "calibrated" : effects_in_words({p.effect}), number(p.value, 4), number(p.lower, 4), number(p.upper, 4), written_unit(p.unit)});
@@ -122,27 +124,28 @@ Table uses(const Diagnosis& d, const Bundle& bundle) {
   return table;
 }
 
-std::vector<std::pair<std::string, std::string>> suggestion(const SuggestedRecording& s) {
-  const auto words = [](std::string label) {
-    std::replace(label.begin(), label.end(), '_', ' ');
-    return label == "nominal" ? std::string("nothing missing") : label;
-  };
-  return {{"recording", s.what}, {"tells", words(s.first) + " from " + words(s.second)}, {"chance to tell them apart, test at 1 %", percent(std::clamp(s.power, 0.0, 1.0))}};
+/// What to record next, or that nothing that was tried would tell.
+Table next_recordings(const Diagnosis& d) {
+  Table table{"What to record next", {"recording", "would tell", "from", "chance, test at 1 %"}, {}, {}};
+  bool worth_it = false;
+  for (const SuggestedRecording& s : d.suggested) {
+    const auto words = [&](const std::string& label, const std::string& other) { return effects_in_words(only_in(names_of(d, label), names_of(d, other))); };
+    table.rows.push_back({s.what, words(s.first, s.second), words(s.second, s.first), percent(std::clamp(s.power, 0.0, 1.0))});
+    worth_it = worth_it || s.power >= worth_recording;
+  }
+  table.notes = {"Every run recorded once more with this change, at the same noise. The chance allows each explanation to move its constants as far as these recordings let it."};
+  if (!worth_it) table.notes.insert(table.notes.begin(), "No change of the start, of masses or of sizes that was tried would tell them apart; this is the best of them.");
+  return table;
 }
 
 Section what_is_missing(const Diagnosis& d) {
   Section section{"What explains it", {ranking(d)}};
   if (!d.verdict.indistinguishable.empty())
     section.blocks.emplace_back(Warnings{{"These recordings cannot tell apart: " + effects_in_words(d.verdict.indistinguishable.front()) + "."}});
-  for (const SuggestedRecording& s : d.suggested)
-    section.blocks.emplace_back(Settings{"What to record next", suggestion(s)});
-  if (!d.depends_on.empty() && d.verdict.word != "none") section.blocks.emplace_back(force_chart(d));
+  if (!d.suggested.empty()) section.blocks.emplace_back(next_recordings(d));
+  if (!d.depends_on.empty() && d.depends_on.front().explained >= least_shown && d.verdict.word != "none") section.blocks.emplace_back(force_chart(d));
   if (Table table = parameters(d); !table.rows.empty()) section.blocks.emplace_back(std::move(table));
   return section;
-}
-
-std::string unit_of_noise(const std::string& observable) {
-  return observable == "position" ? " m" : observable == "orientation" ? " rad" : "";
 }
 
 }  // namespace
@@ -162,7 +165,7 @@ Report diagnosis_report(const Diagnosis& d, const Bundle& bundle, const std::vec
   r.sections.push_back(what_is_missing(d));
   if (d.best != 0) {
     r.sections.push_back({"What it is worth", {before_and_after(d)}});
-    if (has_held_out(d) && d.models.front().held_out.per_run.size() > 1) r.sections.back().blocks.emplace_back(gains(d));
+    if (has_held_out(d) && d.models.front().held_out.per_run.size() >= runs_for_a_chart) r.sections.back().blocks.emplace_back(gains(d));
   }
   Section left_out{"What was used, and what was left out", {uses(d, bundle)}};
   left_out.blocks.emplace_back(Warnings{d.notes});
@@ -180,8 +183,11 @@ Report diagnosis_report(const Diagnosis& d, const Bundle& bundle, const std::vec
   all.entries.emplace_back("replicas of noise", std::to_string(d.replicas));
   all.entries.emplace_back("lack of fit before, p", number(d.lack_of_fit_p, 2));
   all.entries.emplace_back("lack of fit after, p", number(d.remaining_p, 2));
-  for (const auto& [name, noise] : d.noise)
-    all.entries.emplace_back("noise of " + name, fmt::format("{}{}, correlation {:.2f}", three(noise.sd), unit_of_noise(name), noise.phi));
+  for (const auto& [name, noise] : d.noise) {
+    if (const auto stated = d.stated_noise.find(name); stated != d.stated_noise.end()) all.entries.emplace_back("noise of " + name + ", stated", three(stated->second) + unit_of(name));
+    all.entries.emplace_back("noise of " + name + ", used", fmt::format("{}{}, correlation {:.2f}", three(noise.sd), unit_of(name), noise.phi));
+    if (const std::string why = raised_noise_in_words(d, name); !why.empty()) all.entries.emplace_back("noise of " + name + ", why", why);
+  }
   r.sections.push_back({"How it was found", {std::move(all), Listing{d.best == 0 ? "extended.yaml: the scene as calibrated" : "extended.yaml: the scene with what was missing", d.extended_scene}}});
   return r;
 }

@@ -31,6 +31,34 @@ std::string effects_in_words(const std::vector<std::string>& effects) {
   return words;
 }
 
+std::vector<std::string> names_in_order(const Hypothesis& hypothesis) {
+  std::vector<std::string> absent, stated;
+  for (const Term& term : hypothesis.terms) (term.stated.empty() ? absent : stated).push_back(term.row->name);
+  absent.insert(absent.end(), stated.begin(), stated.end());
+  return absent;
+}
+
+std::vector<std::string> effects_in_order(const Diagnosis& d, const Ranked& ranked) {
+  std::vector<std::string> effects = ranked.effects;
+  if (ranked.model < 0) return effects;
+  const std::vector<Term>& terms = d.models[static_cast<std::size_t>(ranked.model)].hypothesis.terms;
+  std::stable_partition(effects.begin(), effects.end(), [&](const std::string& name) {
+    return std::none_of(terms.begin(), terms.end(), [&](const Term& term) { return term.row->name == name && !term.stated.empty(); });
+  });
+  return effects;
+}
+
+std::vector<std::string> names_of(const Diagnosis& d, const std::string& label) {
+  for (const FittedHypothesis& m : d.models)
+    if (m.hypothesis.label() == label) return m.hypothesis.names();
+  return {};
+}
+
+std::vector<std::string> only_in(std::vector<std::string> first, const std::vector<std::string>& second) {
+  std::erase_if(first, [&](const std::string& name) { return std::find(second.begin(), second.end(), name) != second.end(); });
+  return first;
+}
+
 std::string symbol_of(const std::string& key) {
   static const std::map<std::string, std::string> symbols = {
       {"friction", "µ"}, {"rolling_friction", "ρ"}, {"restitution", "e"}, {"viscosity", "η"}, {"coefficient", "C"}};
@@ -77,6 +105,20 @@ double probability_of(const Diagnosis& d, const std::string& effect) {
   for (const Ranked& r : d.verdict.ranked)
     if (std::find(r.effects.begin(), r.effects.end(), effect) != r.effects.end()) sum += r.probability;
   return std::min(1.0, sum);
+}
+
+std::string unit_of(const std::string& observable) {
+  static const std::map<std::string, std::string> units = {
+      {"position", " m"}, {"orientation", " rad"}, {"height", " m"}, {"speed", " m/s"}, {"specific_force", " m/s²"}};
+  const auto found = units.find(observable);
+  return found == units.end() ? "" : found->second;
+}
+
+double raised_noise(const Diagnosis& d, const std::string& observable) {
+  const auto sensor = d.sensor_noise.find(observable);
+  const auto used = d.noise.find(observable);
+  if (sensor == d.sensor_noise.end() || used == d.noise.end() || !(used->second.sd > 1.01 * sensor->second)) return 0;
+  return std::sqrt(used->second.sd * used->second.sd - sensor->second * sensor->second);
 }
 
 bool has_held_out(const Diagnosis& d) { return !d.models.front().held_fit.runs.empty(); }

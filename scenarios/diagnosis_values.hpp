@@ -11,6 +11,18 @@ namespace repose {
 /// library".
 std::string effects_in_words(const std::vector<std::string>& effects);
 
+/// The effects that the scene lacks, then those whose constants it states and has wrong.
+std::vector<std::string> names_in_order(const diagnosis::Hypothesis& hypothesis);
+
+/// The same of a candidate.
+std::vector<std::string> effects_in_order(const diagnosis::Diagnosis& d, const diagnosis::Ranked& ranked);
+
+/// The effects of the model that has this label.
+std::vector<std::string> names_of(const diagnosis::Diagnosis& d, const std::string& label);
+
+/// What `first` has and `second` has not.
+std::vector<std::string> only_in(std::vector<std::string> first, const std::vector<std::string>& second);
+
 /// "µ", "ρ", "e" for the constants of `pairs`; else the last name of the key, with spaces; a component of a vector has its axis behind it.
 std::string symbol_of(const std::string& key);
 
@@ -28,6 +40,12 @@ std::vector<diagnosis::ParameterEstimate> parameters_of(const diagnosis::FittedH
 
 /// Probability that the effect is missing, alone or with another.
 double probability_of(const diagnosis::Diagnosis& d, const std::string& effect);
+
+/// " m" for "position": with a space in front; empty where there is none.
+std::string unit_of(const std::string& observable);
+
+/// What the simulation's own step may err by, which was added in squares to the noise of the recordings; 0 where that raised it by less than a hundredth.
+double raised_noise(const diagnosis::Diagnosis& d, const std::string& observable);
 
 /// Whether runs were held out; if not, `held_out` scores are those of the fitted runs.
 bool has_held_out(const diagnosis::Diagnosis& d);

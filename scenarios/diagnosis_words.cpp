@@ -16,6 +16,7 @@ namespace {
 using namespace diagnosis;
 
 constexpr double clearly_more_than_noise = 1.5;  // sigma
+constexpr std::size_t few_to_prove = 3;
 
 std::string capitalised(std::string text) {
   if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
@@ -32,13 +33,18 @@ std::string counted(std::size_t n, const std::string& what) { return fmt::format
 
 std::string three(double x) { return report::number(x, 3); }
 
+/// "Between 0.12 s and 0.58 s"; "At 0.396 s" where both are written alike.
+std::string time_in_words(const Segment& segment) {
+  const std::string from = three(segment.from), to = three(segment.to);
+  return from == to ? fmt::format("At {} s", from) : fmt::format("Between {} s and {} s", from, to);
+}
+
 /// "Between 0.12 s and 0.58 s of run push-1, while the ball rolls, it slows by 0.69 m/s² that the model does not have."
 std::string place_sentence(const Diagnosis& d, bool by_a_force) {
   if (d.where.empty() || d.where.front().p > level) return "Simulation and recordings differ, though no single stretch stands out. ";
   const Located& l = d.where.front();
   const std::string force = by_a_force ? force_in_words(l) : "";
-  return fmt::format("Between {} s and {} s of run {}, {}, {}. ", three(l.segment.from), three(l.segment.to), d.run_ids[l.run],
-                     phase_in_words(l.segment), force.empty() ? "simulation and recording part" : force);
+  return fmt::format("{} of run {}, {}, {}. ", time_in_words(l.segment), d.run_ids[l.run], phase_in_words(l.segment), force.empty() ? "simulation and recording part" : force);
 }
 
 /// " instead of the 0.3 that the scene states", where the effect contradicts the scene.
@@ -57,34 +63,63 @@ std::string values_of(const FittedHypothesis& model, const std::string& effect) 
   return joined(values, "and") + as_stated(model, effect);
 }
 
+/// "rolling friction (ρ = 0.10 ± 0.01)".
+std::string with_values(const FittedHypothesis& model, const std::string& effect) {
+  const std::string values = values_of(model, effect);
+  return effects_in_words({effect}) + (values.empty() ? "" : " (" + values + ")");
+}
+
 /// "Rolling friction explains it: ρ = 0.10 ± 0.01."
 std::string explanation(const Diagnosis& d, const std::string& adverb) {
   const FittedHypothesis& best = d.models[d.best];
-  const std::vector<std::string> names = best.hypothesis.names();
+  const std::vector<std::string> names = names_in_order(best.hypothesis);
   if (names.size() == 1) {
     const std::string values = values_of(best, names.front());
     return capitalised(effects_in_words(names)) + " explains it" + adverb + (values.empty() ? "" : ": " + values);
   }
   std::vector<std::string> parts;
-  for (const std::string& name : names) {
-    const std::string values = values_of(best, name);
-    parts.push_back(effects_in_words({name}) + (values.empty() ? "" : " (" + values + ")"));
-  }
+  for (const std::string& name : names) parts.push_back(with_values(best, name));
   return capitalised(joined(parts, "and")) + " explain it" + adverb + (names.size() > 1 ? " together" : "");
 }
 
-std::string rivals(const Diagnosis& d) {
+std::vector<std::string> rivals(const Diagnosis& d) {
   const std::vector<std::string> own = d.models[d.best].hypothesis.names();
   std::vector<std::string> others;
   for (const auto& group : d.verdict.indistinguishable)
     for (const std::string& name : group)
       if (std::find(own.begin(), own.end(), name) == own.end()) others.push_back(effects_in_words({name}));
-  return joined(others, "or");
+  return others;
 }
 
-/// Of two effects the one that has rivals.
-std::string in_doubt(const Diagnosis& d) {
-  return d.models[d.best].hypothesis.terms.size() > 1 && !d.verdict.indistinguishable.empty() ? effects_in_words({d.verdict.indistinguishable.front().front()}) : "it";
+/// Of the effects of the best that which has rivals; and the others, of which there is no doubt.
+struct Doubt {
+  std::string name;
+  std::vector<std::string> sure;
+};
+
+Doubt doubt(const Diagnosis& d) {
+  Doubt result{"", names_in_order(d.models[d.best].hypothesis)};
+  if (result.sure.empty()) return result;
+  const auto& groups = d.verdict.indistinguishable;
+  auto open = result.sure.begin();
+  if (!groups.empty())
+    if (const auto named = std::find(result.sure.begin(), result.sure.end(), groups.front().front()); named != result.sure.end()) open = named;
+  result.name = *open;
+  result.sure.erase(open);
+  return result;
+}
+
+/// "Rolling friction (ρ = 0.02) explains it together with gravity tilt (x = 1.2°) or uniform force: these recordings cannot tell which of the two."
+std::string explanation_in_doubt(const Diagnosis& d) {
+  const FittedHypothesis& best = d.models[d.best];
+  const std::vector<std::string> others = rivals(d);
+  const Doubt one = doubt(d);
+  if (one.sure.empty()) return explanation(d, " best") + "; but these recordings cannot tell it from " + joined(others, "or") + ". ";
+  std::vector<std::string> sure, open{with_values(best, one.name)};
+  for (const std::string& name : one.sure) sure.push_back(with_values(best, name));
+  open.insert(open.end(), others.begin(), others.end());
+  return capitalised(joined(sure, "and")) + (sure.size() == 1 ? " explains" : " explain") + " it together with " + joined(open, "or") +
+         ": these recordings cannot tell which of the " + (open.size() == 2 ? "two" : "three") + ". ";
 }
 
 /// "On 12 recordings that were not used, the error falls from 9.1 σ to 1.02 σ."
@@ -98,6 +133,8 @@ std::string worth(const Diagnosis& d) {
   text += b < a ? fmt::format("falls from {} σ to {} σ", three(a), three(b)) : fmt::format("does not fall ({} σ before, {} σ after)", three(a), three(b));
   if (has_held_out(d) && b < a && n < 2)
     text += "; one recording is no proof";
+  else if (has_held_out(d) && b < a && d.paired_p > 0.05 && n <= few_to_prove)
+    text += fmt::format("; only {} were held out, too few to prove it", counted(n, "recording"));
   else if (has_held_out(d) && b < a && d.paired_p > 0.05)
     text += fmt::format("; the gain differs so much between them that it is not yet proven (p = {:.2g})", d.paired_p);
   text += ".";
@@ -108,6 +145,9 @@ std::string worth(const Diagnosis& d) {
 std::string next_recording(const Diagnosis& d) {
   if (d.suggested.empty()) return "";
   const SuggestedRecording& s = d.suggested.front();
+  if (s.power < worth_recording)
+    return fmt::format(" No change of the start, of masses or of sizes that was tried would tell them apart; the best, {}, has a chance of {}.", s.what,
+                       report::percent(std::clamp(s.power, 0.0, 1.0)));
   return fmt::format(" A recording that would tell: {} (chance {}).", s.what, report::percent(std::clamp(s.power, 0.0, 1.0)));
 }
 
@@ -169,8 +209,7 @@ std::string by_verdict(const Diagnosis& d) {
     return place_sentence(d, false) + explanation(d, "") + ". That is an error of the measurement: " +
            d.models[d.best].hypothesis.terms.front().row->claim + " No physics is missing. " + worth(d);
   if (verdict == "ambiguous")
-    return place_sentence(d, true) + explanation(d, " best") + "; but these recordings cannot tell " + in_doubt(d) + " from " + rivals(d) + ". " + worth(d) +
-           next_recording(d);
+    return place_sentence(d, true) + explanation_in_doubt(d) + worth(d) + next_recording(d);
   return place_sentence(d, true) + explanation(d, "") + ". " + worth(d);
 }
 
@@ -206,13 +245,36 @@ std::string force_in_words(const Located& l) {
 
 std::string verdict_in_words(const Diagnosis& d) {
   const std::string& verdict = d.verdict.word;
-  const std::string names = effects_in_words(d.models[d.best].hypothesis.names());
+  const std::string names = effects_in_words(names_in_order(d.models[d.best].hypothesis));
   if (verdict == "none") return d.tested ? "Nothing is missing" : "Nothing could be tested";
   if (verdict == "unknown" || d.best == 0) return "Something is missing that is not in the library";
-  if (verdict == "ambiguous") return "Missing: " + names + ", or " + rivals(d);
+  if (verdict == "ambiguous") {
+    const Doubt one = doubt(d);
+    std::vector<std::string> open = rivals(d);
+    open.insert(open.begin(), effects_in_words({one.name}));
+    return "Missing: " + (one.sure.empty() ? "" : effects_in_words(one.sure) + ", and ") + joined(open, "or");
+  }
   if (verdict == "measurement") return "A measurement error: " + names;
   if (verdict == "numerics") return "Numerics, not physics: " + names;
   return "Missing: " + names;
+}
+
+std::string raised_noise_in_words(const Diagnosis& d, const std::string& observable) {
+  const auto stated = d.stated_noise.find(observable);
+  const auto sensor = d.sensor_noise.find(observable);
+  const auto used = d.noise.find(observable);
+  if (sensor == d.sensor_noise.end() || used == d.noise.end()) return "";
+  const std::string unit = unit_of(observable);
+  std::string text;
+  if (stated != d.stated_noise.end() && sensor->second > 1.01 * stated->second)
+    text = fmt::format("The bundle states {}{}; by the steps of the readings, or their range, it is at least {}{}. ", three(stated->second), unit, three(sensor->second), unit);
+  if (const double step = raised_noise(d, observable); step > 0)
+    text += fmt::format("To the {}{} {} come {}{} by which the step of a simulation may err here, in squares: {}{} in all, so that the step does not pass for physics. "
+                        "An error below 1 σ is the sign of it; a smaller time_step takes it away.",
+                        three(sensor->second), unit, stated != d.stated_noise.end() && text.empty() ? "that the bundle states" : "of the sensor", three(step), unit,
+                        three(used->second.sd), unit);
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
 }
 
 std::string diagnosis_in_words(const Diagnosis& d) {

@@ -13,6 +13,10 @@ std::string diagnosis_in_words(const diagnosis::Diagnosis& d);
 /// The verdict as a heading: "Missing: rolling friction", "Nothing is missing", "A measurement error: length scale".
 std::string verdict_in_words(const diagnosis::Diagnosis& d);
 
+/// Why another noise than the recordings' own is used: "To the 0.0004 m that the bundle states come 0.0003 m that a simulation's step may err by ...".
+/// Empty if none is.
+std::string raised_noise_in_words(const diagnosis::Diagnosis& d, const std::string& observable);
+
 /// "while the ball rolls".
 std::string phase_in_words(const diagnosis::Segment& segment);
 

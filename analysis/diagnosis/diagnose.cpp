@@ -38,6 +38,8 @@ class Diagnosing {
     }
     result_.train_runs = train_.size();
     result_.noise = problem_.noise();
+    result_.sensor_noise = problem_.sensor_noise();
+    result_.stated_noise = bundle.noise;
     fit_options_.threads = options.threads;
     fit_options_.interrupted = options.interrupted;
     follow_further(problem_, fit_options_);

@@ -183,6 +183,7 @@ void Problem::choose_numerics() {
 }
 
 void Problem::add_numerics() {
+  for (const auto& [name, model] : noise_) sensor_noise_[name] = model.sd;
   Numerics fine = numerics_;
   fine.step_factor = 0.5;
   const std::map<std::string, double> ours = parting(numerics_, fine);

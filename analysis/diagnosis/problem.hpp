@@ -87,6 +87,8 @@ class Problem {
                                  const std::vector<WindowLoad>& loads = {}) const;
   /// Noise by observable, as used: of the sensor, at least 1e-4 of the observable's range, and of the time step.
   const std::map<std::string, NoiseModel>& noise() const { return noise_; }
+  /// The same before what the step may be wrong by was added, in squares.
+  const std::map<std::string, double>& sensor_noise() const { return sensor_noise_; }
   /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given.
   const Numerics& numerics() const { return numerics_; }
   /// What the scene's own way to solve it is wrong by, beyond what start values imitate: by observable, in units of noise(), rms of
@@ -114,6 +116,7 @@ class Problem {
   NaturalScale scale_;
   std::vector<Parameter> calibrated_;
   std::map<std::string, NoiseModel> noise_;  ///< by observable
+  std::map<std::string, double> sensor_noise_;
   std::vector<RunData> runs_;
   Numerics numerics_;
   std::map<std::string, double> scene_error_;

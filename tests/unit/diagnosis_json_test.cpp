@@ -157,6 +157,18 @@ TEST(DiagnosisJson, an_effect_is_as_probable_as_all_that_hold_it) {
   EXPECT_NEAR(diagnosis_json(d)["missing"][0]["probability"].get<double>(), 0.9875, 1e-12);
 }
 
+TEST(DiagnosisJson, gives_the_noise_as_stated_and_as_used) {
+  diagnosis::Diagnosis d = test::sample_missing();
+  d.stated_noise["position"] = d.sensor_noise["position"] = 1.5e-4;
+  d.sensor_noise["orientation"] = d.noise["orientation"].sd;
+  const json noise = diagnosis_json(d)["noise"];
+  EXPECT_DOUBLE_EQ(noise["position"]["stated"].get<double>(), 1.5e-4);
+  EXPECT_DOUBLE_EQ(noise["position"]["sd"].get<double>(), 2e-4);
+  EXPECT_TRUE(noise["position"].contains("why"));
+  EXPECT_FALSE(noise["orientation"].contains("stated"));
+  EXPECT_FALSE(noise["orientation"].contains("why"));
+}
+
 TEST(DiagnosisJson, with_nothing_held_out_the_held_out_part_is_empty) {
   diagnosis::Diagnosis d = test::sample_missing();
   for (diagnosis::FittedHypothesis& m : d.models) m.held_fit.runs.clear();

@@ -34,7 +34,56 @@ TEST(DiagnosisWords, ambiguous_names_the_rival) {
   const std::string words = diagnosis_in_words(test::sample_ambiguous());
   EXPECT_TRUE(says(words, "explains it best: ρ = 0.1000 ± 0.0100; but these recordings cannot tell it from quadratic drag.")) << words;
   EXPECT_TRUE(says(words, "A recording that would tell: start at 2 times the speed (chance 95 %).")) << words;
-  EXPECT_TRUE(says(verdict_in_words(test::sample_ambiguous()), "rolling friction, or quadratic drag"));
+  EXPECT_TRUE(says(verdict_in_words(test::sample_ambiguous()), "Missing: rolling friction or quadratic drag"));
+}
+
+TEST(DiagnosisWords, ambiguous_beside_what_is_sure) {
+  diagnosis::Diagnosis d = test::sample_ambiguous();
+  const diagnosis::Term tilt{find_effect("gravity_tilt"), ""}, rolling{find_effect("rolling_friction"), "rubber-stone"};
+  d.models[1] = test::sample::model({tilt, rolling}, 1.02);
+  d.models[1].parameters = {test::sample::estimate("effects.gravity_tilt.x_deg", "deg", "gravity_tilt", 1.2, 0.1),
+                            test::sample::estimate("pairs.rubber-stone.rolling_friction", "1", "rolling_friction", 0.1, 0.01)};
+  d.verdict.indistinguishable = {{"gravity_tilt", "uniform_force"}};
+  EXPECT_EQ(verdict_in_words(d), "Missing: rolling friction, and gravity tilt or uniform force");
+  EXPECT_TRUE(says(diagnosis_in_words(d), "Rolling friction (ρ = 0.1000 ± 0.0100) explains it together with gravity tilt (x = 1.20 ± 0.10°) or uniform force: "
+                                          "these recordings cannot tell which of the two. On 12")) << diagnosis_in_words(d);
+}
+
+TEST(DiagnosisWords, no_recording_that_was_tried_would_tell) {
+  diagnosis::Diagnosis d = test::sample_ambiguous();
+  d.suggested.front().power = 0.1;
+  EXPECT_TRUE(says(diagnosis_in_words(d), "No change of the start, of masses or of sizes that was tried would tell them apart; the best, start at 2 times the speed, has a chance of 10 %."))
+      << diagnosis_in_words(d);
+}
+
+TEST(DiagnosisWords, a_stretch_that_is_one_moment) {
+  diagnosis::Diagnosis d = test::sample_missing();
+  d.where.front().segment.from = 0.3961;
+  d.where.front().segment.to = 0.3964;
+  EXPECT_TRUE(diagnosis_in_words(d).starts_with("At 0.396 s of run push-1, ")) << diagnosis_in_words(d);
+}
+
+TEST(DiagnosisWords, effects_that_the_scene_lacks_come_before_constants_that_it_has_wrong) {
+  diagnosis::Diagnosis d = test::sample_missing();
+  const diagnosis::Term bounce{find_effect("restitution"), "rubber-stone", {0.8}}, rolling{find_effect("rolling_friction"), "rubber-stone"};
+  d.models[1] = test::sample::model({bounce, rolling}, 1.02);
+  d.models[1].parameters = {test::sample::estimate("pairs.rubber-stone.restitution", "1", "restitution", 0.86, 0.01),
+                            test::sample::estimate("pairs.rubber-stone.rolling_friction", "1", "rolling_friction", 0.1, 0.01)};
+  d.verdict.ranked[0].effects = {"restitution", "rolling_friction"};
+  EXPECT_EQ(verdict_in_words(d), "Missing: rolling friction and restitution");
+  EXPECT_TRUE(says(diagnosis_in_words(d), "Rolling friction (ρ = 0.1000 ± 0.0100) and restitution (e = 0.8600 ± 0.0100 instead of the 0.8 that the scene states) explain it together"))
+      << diagnosis_in_words(d);
+  EXPECT_EQ(effects_in_order(d, d.verdict.ranked[0]), (std::vector<std::string>{"rolling_friction", "restitution"}));
+}
+
+TEST(DiagnosisWords, why_the_noise_is_not_as_stated) {
+  diagnosis::Diagnosis d = test::sample_missing();
+  EXPECT_EQ(raised_noise_in_words(d, "position"), "");
+  d.stated_noise["position"] = d.sensor_noise["position"] = 2e-4;
+  EXPECT_EQ(raised_noise_in_words(d, "position"), "");
+  d.noise["position"].sd = 2.5e-4;
+  EXPECT_TRUE(says(raised_noise_in_words(d, "position"), "To the 0.0002 m that the bundle states come 0.00015 m by which the step of a simulation may err here, in squares: 0.00025 m in all"))
+      << raised_noise_in_words(d, "position");
 }
 
 TEST(DiagnosisWords, unknown_says_how_little_the_nearest_explains) {
@@ -62,6 +111,8 @@ TEST(DiagnosisWords, admits_what_is_not_proven) {
   diagnosis::Diagnosis d = test::sample_missing();
   d.paired_p = 0.2;
   EXPECT_TRUE(says(diagnosis_in_words(d), "not yet proven (p = 0.2)"));
+  for (diagnosis::FittedHypothesis& m : d.models) m.held_out.runs.resize(2);
+  EXPECT_TRUE(says(diagnosis_in_words(d), "only 2 recordings were held out, too few to prove it.")) << diagnosis_in_words(d);
   for (diagnosis::FittedHypothesis& m : d.models) m.held_fit.runs.clear();
   EXPECT_TRUE(says(diagnosis_in_words(d), "No recording was held out"));
   d.models[1].held_out.chi2_per_dof = 9;
