@@ -45,7 +45,7 @@ TEST(DiagnosisWords, ambiguous_beside_what_is_sure) {
                             test::sample::estimate("pairs.rubber-stone.rolling_friction", "1", "rolling_friction", 0.1, 0.01)};
   d.verdict.indistinguishable = {{"gravity_tilt", "uniform_force"}};
   EXPECT_EQ(verdict_in_words(d), "Missing: rolling friction, and gravity tilt or uniform force");
-  EXPECT_TRUE(says(diagnosis_in_words(d), "Rolling friction (ρ = 0.1000 ± 0.0100) explains it together with gravity tilt (x = 1.20 ± 0.10°) or uniform force: "
+  EXPECT_TRUE(says(diagnosis_in_words(d), "Rolling friction (ρ = 0.1000 ± 0.0100) explains it together with gravity tilt (x = 1.200 ± 0.100°) or uniform force: "
                                           "these recordings cannot tell which of the two. On 12")) << diagnosis_in_words(d);
 }
 
