@@ -30,7 +30,7 @@ open_page() {
   rm -rf -- "$work/profile"
   timeout 120 "$browser" --headless --no-sandbox --disable-gpu --disable-background-networking --disable-component-update \
     --disable-sync --no-first-run --user-data-dir="$work/profile" --host-resolver-rules='MAP * ~NOTFOUND' \
-    --proxy-server=127.0.0.1:9 --enable-logging=stderr --virtual-time-budget=10000 "$@" \
+    --proxy-server=127.0.0.1:9 --enable-logging=stderr --virtual-time-budget=60000 "$@" \
     --dump-dom "file://$work/$page" >"$work/dom" 2>"$work/log"
 }
 
