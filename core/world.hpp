@@ -67,7 +67,7 @@ enum class SolverKind : std::uint8_t { gauss_seidel, apgd, barzilai_borwein };
 enum class ContactLaw : std::uint8_t { exact, relaxed };
 
 /// Symplectic Euler is for powder: its error is of the order of the step, in v_0 + a h / 2 instead of v_0 and in the time of every
-/// blow. Second order is for few bodies: flight and sliding by mean velocities, and steps that end where bodies touch.
+/// blow. Second order is for few bodies: flight and sliding by mean velocities, friction along the mean slip, and steps that end where bodies touch.
 enum class Integration : std::uint8_t { symplectic_euler, second_order };
 
 struct SolverOptions {
