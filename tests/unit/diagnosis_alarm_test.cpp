@@ -20,13 +20,6 @@ DiagnoseOptions quick() {
   return options;
 }
 
-Flights six(const std::string& truth = "{}") {
-  Flights f;
-  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
-  f.truth = truth;
-  return f;
-}
-
 bool is_candidate(const Bundle& bundle, const std::string& name) {
   const std::vector<Term> terms = possible_terms(bundle, natural_scale(realise(bundle.scene, 1)));
   return std::any_of(terms.begin(), terms.end(), [&](const Term& t) { return t.row->name == name; });
@@ -57,15 +50,7 @@ TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
     for (BundleRun& run : bundle.runs) {
       Scene made = parse_scene(ball_scene(), "made", run.set);
       made.solver.time_step *= factor;
-      SimulationRequest request;
-      request.scene = &made;
-      request.until = 0.6;
-      Observation& o = run.observations[0];
-      o.position.clear();
-      observe(fly_late_by(12 / factor)(request), o.time, o);
-      o.orientation.clear();
-      for (Vec3& x : o.position)
-        for (double& c : x) c += 1e-3 * normal(random);
+      record_anew(run, fly_late_by(12 / factor), made, six(), random);
     }
     const Diagnosis d = diagnose(bundle, fly_late_by(12 / factor), quick());
     EXPECT_EQ(d.verdict.word, "none") << factor;
@@ -95,7 +80,7 @@ TEST(Alarm, AConstantForceTakesTheDisplacementOfAPushThatPassesAndNotItsAccelera
 }
 
 TEST(Alarm, WhereNothingCanBeTestedThatIsSaid) {
-  Flights f = six("{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}");
+  Flights f = six(1, "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}");
   Bundle bundle = flights(f);
   for (BundleRun& run : bundle.runs) {  // two points and a free velocity
     Observation& o = run.observations[0];
@@ -112,7 +97,7 @@ TEST(Alarm, WhereNothingCanBeTestedThatIsSaid) {
 }
 
 TEST(Alarm, AnInterruptionAfterTheSearchIsToldAsOne) {
-  const Bundle bundle = flights(six("{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"));
+  const Bundle bundle = flights(six(1, "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"));
   for (const std::string stage : {"runs that were held out", "intervals of the parameters", "a recording that would tell more"}) {
     std::atomic<bool> over{false};
     const Simulate interruptible = [&](const SimulationRequest& request) {

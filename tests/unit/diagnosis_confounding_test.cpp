@@ -17,14 +17,6 @@ const char* const drag = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.
 const double of_noise = 0.27;
 const char* const push = "{uniform_force: {force: [0.0005, 0, 0]}}";
 
-Flights six(std::uint64_t seed, const std::string& truth) {
-  Flights f;
-  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
-  f.seed = seed;
-  f.truth = truth;
-  return f;
-}
-
 /// Two explanations, fitted to all runs.
 struct Pair {
   Pair(const Bundle& bundle, const std::string& one, const std::string& other) : problem(bundle, all(bundle), fly), first(fitted(one)), second(fitted(other)) {}
@@ -61,15 +53,7 @@ std::vector<BundleRun> recorded_again(const Bundle& bundle, const Change& change
       run.set.push_back({p.component < 0 ? p.key : p.key + "." + std::to_string(p.component), fmt::format("{}", set.values[k])});
     }
     const Scene truth = parse_scene(ball_scene(world.truth), "truth", run.set);
-    SimulationRequest request;
-    request.scene = &truth;
-    request.until = world.duration;
-    Observation& o = run.observations[0];
-    o.position.clear();
-    observe(fly(request), o.time, o);
-    o.orientation.clear();
-    for (Vec3& x : o.position)
-      for (double& c : x) c += world.noise * normal(random);
+    record_anew(run, fly, truth, world, random);
     runs.push_back(run);
   }
   return runs;

@@ -22,14 +22,6 @@ DiagnoseOptions quick() {
   return options;
 }
 
-Flights six(std::uint64_t seed, const std::string& truth) {
-  Flights f;
-  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
-  f.seed = seed;
-  f.truth = truth;
-  return f;
-}
-
 /// The flights as another engine, or the same one solved in another way, would have flown them.
 Bundle recorded_by(const Simulate& engine, const Flights& f, const std::function<void(SolverOptions&)>& solved) {
   Bundle bundle = flights(f);
@@ -37,15 +29,7 @@ Bundle recorded_by(const Simulate& engine, const Flights& f, const std::function
   for (BundleRun& run : bundle.runs) {
     Scene truth = parse_scene(ball_scene(f.truth), "truth", run.set);
     solved(truth.solver);
-    SimulationRequest request;
-    request.scene = &truth;
-    request.until = f.duration;
-    Observation& o = run.observations[0];
-    o.position.clear();
-    observe(engine(request), o.time, o);
-    o.orientation.clear();
-    for (Vec3& x : o.position)
-      for (double& c : x) c += f.noise * normal(random);
+    record_anew(run, engine, truth, f, random);
   }
   return bundle;
 }

@@ -97,6 +97,27 @@ struct Flights {
   std::string nominal = "{}";     ///< effects of the scene that goes with the recordings
 };
 
+inline Flights six(std::uint64_t seed = 1, const std::string& truth = "{}") {
+  Flights f;
+  f.velocities = {{3, 0, 2}, {2, 1, 3}, {4, -1, 1}, {1, 2, 4}, {0.5, 0, 0}, {3, 3, 3}};
+  f.seed = seed;
+  f.truth = truth;
+  return f;
+}
+
+/// The run's trajectory, at the times that it has, as `engine` flies the scene and a sensor with the flights' noise sees it.
+inline void record_anew(BundleRun& run, const Simulate& engine, const Scene& scene, const Flights& f, Random& random) {
+  SimulationRequest request;
+  request.scene = &scene;
+  request.until = f.duration;
+  Observation& o = run.observations[0];
+  o.position.clear();
+  observe(engine(request), o.time, o);
+  o.orientation.clear();
+  for (Vec3& x : o.position)
+    for (double& c : x) c += f.noise * normal(random);
+}
+
 /// Trajectories of the ball with free start velocities; without `noise` in the bundle, so that it is estimated.
 inline Bundle flights(const Flights& f) {
   Bundle bundle;
