@@ -115,6 +115,7 @@ json diagnosis_json(const Diagnosis& d) {
   for (const auto& [name, noise] : d.noise) result["noise"][name] = noise_json(d, name, noise);
   result["remaining_p"] = d.remaining_p;
   result["explained"] = d.explained;
+  result["explained_accelerations"] = d.accelerations;
   result["simulations"] = d.simulations;
   result["notes"] = d.notes;
   return result;

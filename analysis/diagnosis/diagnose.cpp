@@ -306,7 +306,9 @@ class Diagnosing {
       e.form_parameters = m.form_parameters;
       e.stated = stated_in(m.hypothesis);
       e.explained = explained_by(i, search.base());
-      e.accelerations = share_of_accelerations(problem_, result_.models[i == 0 || i == search.base() ? 0 : search.base()].fit, m.fit);
+      const Fit& plain = result_.models[i == search.base() ? 0 : search.base()].fit;
+      e.error_left = error_left(plain, m.fit);
+      e.accelerations = share_of_accelerations(problem_, plain, m.fit);
       if (std::any_of(e.sites.begin(), e.sites.end(), [](EffectSite s) { return s != EffectSite::numerics; })) e.solved = other_numerics(m.fit.layout.numerics);
       e.lack_of_fit = m.scale;
       evidence.push_back(e);
@@ -314,6 +316,7 @@ class Diagnosing {
     reach_verdict(search, evidence);
     result_.best = static_cast<std::size_t>(result_.verdict.best);
     result_.explained = evidence[result_.best].explained;
+    result_.accelerations = evidence[result_.best].accelerations;
     note_stated(evidence);
     FittedHypothesis& best = result_.models[result_.best];
     tell("intervals of the parameters", 0, 1);

@@ -68,6 +68,7 @@ struct Diagnosis {
   double remaining_p = 1;   ///< the same of the best model
   std::optional<double> held_out_p;  ///< of the nominal in runs that were not fitted, where these alone make the verdict `none`: what stood out was chance
   double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes, on the runs (fitted or held out) where it removes less
+  double accelerations = 1; ///< share of the missing accelerations that it removes (explained.hpp)
   int replicas = 0;         ///< behind lack_of_fit_p
   bool bootstrapped = false;
   std::vector<Located> where;

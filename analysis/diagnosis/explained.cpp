@@ -54,10 +54,11 @@ class Derivatives {
   Eigen::MatrixXd solve_;
 };
 
+double excess(const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); }
+
 }  // namespace
 
 double share_explained(const Fit& nominal, const Fit& model) {
-  const auto excess = [](const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); };
   std::vector<double> shares;
   for (std::size_t i = 0; i < nominal.runs.size(); ++i) {
     const auto of_run = [i](const Fit& fit) {
@@ -72,6 +73,11 @@ double share_explained(const Fit& nominal, const Fit& model) {
   if (!shares.empty()) return std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
   const double before = excess(nominal);
   return before > 0 ? 1 - excess(model) / before : 0;
+}
+
+double error_left(const Fit& nominal, const Fit& model) {
+  const double before = excess(nominal);
+  return before > 0 ? std::sqrt(excess(model) / before) : 1;
 }
 
 double share_of_accelerations(const Problem& problem, const Fit& nominal, const Fit& model) {

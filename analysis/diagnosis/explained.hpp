@@ -9,7 +9,10 @@ namespace repose::diagnosis {
 /// Both fits are of the same runs. At most 1; below 0 where the model leaves more.
 double share_explained(const Fit& nominal, const Fit& model);
 
-/// The same of what the residuals do rather than of where they are: their second derivatives (speeds: the first, accelerometers: themselves), constant
+/// The nominal's error beyond noise, of all runs together: what share of it the model leaves. Rms, so half of it is a quarter of chi^2.
+double error_left(const Fit& nominal, const Fit& model);
+
+/// As share_explained(), but of what the residuals do rather than of where they are: their second derivatives (speeds: the first, accelerometers: themselves), constant
 /// on at most ten equal pieces of each channel. Those that stand out from their own error by three standard errors are summed as squares over time; the shares of the
 /// channels are weighted by the nominal's chi^2 in them. Displacements forget when a force acted: a constant one takes four fifths of chi^2 from a push that
 /// lasts a tenth of the record, and a tenth of its acceleration. At most 1, at least -1; 1 where nothing stands out.

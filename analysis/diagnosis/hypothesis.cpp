@@ -14,6 +14,8 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double difference = 1e-3;  // of a parameter's range or value: simulations are exact to far less
+constexpr const char* of_positions = "position";  // place of a sensor_bias
+constexpr double farthest_origin = 10;            // mean radii: as far as the diagnosis looks for the origin of a recording
 
 /// A finite value to begin from: the one that does nothing, or just inside the bounds.
 double first_value(const EffectParameter& p, const EffectBounds& bounds) {
@@ -48,8 +50,24 @@ double largest_bias(const Observation& o, const NaturalScale& scale) {
   return largest + unit;
 }
 
-TermParameters of_measurement(const EffectRow& row, const NaturalScale& scale, const std::vector<Observation>& observations) {
+/// A camera keeps its origin from run to run.
+std::vector<Parameter> origin_of_positions(const EffectRow& row, const NaturalScale& scale) {
+  const double farthest = farthest_origin * scale.length;
+  std::vector<Parameter> result(3, measured(Parameter::Use::origin, row.name, row.parameters[0], {-farthest, 0, farthest}));
+  for (int axis = 0; axis < 3; ++axis) {
+    result[static_cast<std::size_t>(axis)].component = axis;
+    result[static_cast<std::size_t>(axis)].unit.assign(1, 'm');  // GCC 12 warns of "m"
+  }
+  return result;
+}
+
+TermParameters of_measurement(const Term& term, const NaturalScale& scale, const std::vector<Observation>& observations) {
+  const EffectRow& row = *term.row;
   TermParameters result;
+  if (term.place == of_positions) {
+    result.shared = origin_of_positions(row, scale);
+    return result;
+  }
   const auto bounds = [&](std::size_t i) { return bounds_of(row.parameters[i], scale); };
   using Use = Parameter::Use;
   if (row.name == "length_scale") result.shared = {measured(Use::length_scale, row.name, row.parameters[0], bounds(0))};
@@ -76,6 +94,23 @@ bool is_free_or_per_run(const Bundle& bundle, const std::string& key) {
          std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
            return std::any_of(run.set.begin(), run.set.end(), [&](const Override& o) { return touches(o.path); });
          });
+}
+
+bool records(const Bundle& bundle, ObservableKind kind) {
+  return std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) {
+    return std::any_of(run.observations.begin(), run.observations.end(), [&](const Observation& o) { return o.kind == kind; });
+  });
+}
+
+/// Where a candidate can act: at pairs of materials or at sensors; "" where it has no place.
+std::vector<std::string> places_in(const EffectRow& row, const Bundle& bundle) {
+  std::vector<std::string> places = places_of(row, bundle.scene);
+  if (row.name == "sensor_bias" && records(bundle, ObservableKind::trajectory)) {
+    if (records(bundle, ObservableKind::series)) places.emplace_back();
+    places.emplace_back(of_positions);
+  }
+  if (places.empty()) places.emplace_back();
+  return places;
 }
 
 /// Of any pair.
@@ -115,7 +150,7 @@ int stated_in(const Hypothesis& hypothesis) {
 }
 
 TermParameters parameters_of(const Term& term, const NaturalScale& scale, const std::vector<Observation>& observations) {
-  if (term.row->site == EffectSite::measurement) return of_measurement(*term.row, scale, observations);
+  if (term.row->site == EffectSite::measurement) return of_measurement(term, scale, observations);
   TermParameters result;
   for (std::size_t n = 0; n < term.row->parameters.size(); ++n) {
     const EffectParameter& p = term.row->parameters[n];
@@ -158,9 +193,7 @@ std::vector<Term> possible_terms(const Bundle& bundle, const NaturalScale& scale
     if (row.site == EffectSite::numerics) continue;
     // Between bodies alone a wall is a body like any other: the claim is that of `friction`.
     if (row.name == "wall_friction" && scene.grains.empty()) continue;
-    std::vector<std::string> places = places_of(row, scene);
-    if (places.empty()) places.emplace_back();
-    for (const std::string& place : places) {
+    for (const std::string& place : places_in(row, bundle)) {
       Term term{&row, place};
       bool stated = false;
       for (const EffectParameter& p : row.parameters) {

@@ -10,8 +10,8 @@
 
 namespace repose::diagnosis {
 
-/// One effect of the library, with the pair of materials where it acts (empty if it has no place). Either the scene lacks it, or the
-/// scene states its values and these may be wrong.
+/// One effect of the library, with the pair of materials where it acts (empty if it has no place), or "position" for a sensor_bias of
+/// trajectories. Either the scene lacks it, or the scene states its values and these may be wrong.
 struct Term {
   const EffectRow* row = nullptr;
   std::string place;
@@ -39,6 +39,7 @@ struct Parameter {
     turn,          ///< component of a rotation vector [rad] applied to the start orientation at `key`
     length_scale, time_scale, time_offset, tilt_x, tilt_y,  ///< of the recording
     bias,          ///< of observation `component` of the run
+    origin,        ///< component of Measurement::origin
   } use = Use::scene;
   std::string key;      ///< scene path, or "length_scale.factor"
   int component = -1;   ///< -1: a plain number
@@ -53,7 +54,7 @@ struct Parameter {
   bool logarithmic = false;
 };
 
-/// Parameters of the terms: those shared by all runs, and (time_offset, sensor_bias) one per run. Held ones and values
+/// Parameters of the terms: those shared by all runs, and (time_offset, sensor_bias of a series) one per run. Held ones and values
 /// that the scene states are not turned.
 struct TermParameters {
   std::vector<Parameter> shared, per_run;

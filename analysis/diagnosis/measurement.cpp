@@ -1,5 +1,7 @@
 #include "analysis/diagnosis/measurement.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <numbers>
 
@@ -25,6 +27,12 @@ Quat Measurement::to_recorded() const {
   return Quat(about_y * about_x).conjugate();
 }
 
+std::string Measurement::text() const {
+  std::string all = fmt::format("{}|{}|{}|{}|{}|{}|{}|{}", length, time, offset, tilt_x, tilt_y, origin.x(), origin.y(), origin.z());
+  for (const auto& [n, b] : bias) all += fmt::format("|{}:{}", n, b);
+  return all;
+}
+
 void take(const std::vector<Parameter>& parameters, const Eigen::VectorXd& values, Measurement& m) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const double v = values[static_cast<Eigen::Index>(i)];
@@ -34,6 +42,7 @@ void take(const std::vector<Parameter>& parameters, const Eigen::VectorXd& value
       case Parameter::Use::time_offset: m.offset = v; break;
       case Parameter::Use::tilt_x: m.tilt_x = v; break;
       case Parameter::Use::tilt_y: m.tilt_y = v; break;
+      case Parameter::Use::origin: m.origin[parameters[i].component] = v; break;
       case Parameter::Use::bias: m.bias[parameters[i].component] = v; break;
       case Parameter::Use::scene:
       case Parameter::Use::turn: break;
@@ -60,7 +69,7 @@ Eigen::VectorXd difference(const History& history, const BundleRun& run, const s
       const double t = m.true_time(c.time[k]);
       double& out = d[c.first + static_cast<Eigen::Index>(k)];
       if (c.observable == "position")
-        out = m.length * (turned * sample(history, track, t).position)[c.axis] - o.position[i][c.axis];
+        out = m.length * (turned * sample(history, track, t).position)[c.axis] + m.origin[c.axis] - o.position[i][c.axis];
       else if (c.observable == "orientation")
         out = rotation_vector(turned * sample(history, track, t).orientation * o.orientation[i].conjugate())[c.axis];
       else

@@ -26,15 +26,17 @@ struct Channel {
 };
 
 /// Errors of the recording:
-///   recorded time = time_scale * t + offset,   recorded position = length_scale * R x,   recorded series = value + bias
+///   recorded time = time_scale * t + offset,   recorded position = length_scale * R x + origin,   recorded series = value + bias
 /// where R gives the components along axes that are turned about the world's x by tilt_x, then about its y by tilt_y [deg].
 /// Lengths in a series scale with it: heights and accelerations by length_scale, speeds by length_scale / time_scale.
 struct Measurement {
   double length = 1, time = 1, offset = 0;
   double tilt_x = 0, tilt_y = 0;
+  Vec3 origin = Vec3::Zero();  ///< [m] of the world, as recorded
   std::map<int, double> bias;  ///< by observation of the run
   double true_time(double recorded) const { return (recorded - offset) / time; }
   Quat to_recorded() const;
+  std::string text() const;  ///< all of it, for keys: equal texts make equal records
 };
 
 /// Takes from the parameters those of the measurement.

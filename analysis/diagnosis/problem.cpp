@@ -338,8 +338,7 @@ Eigen::VectorXd Problem::plain_residual(const Layout& layout, std::size_t run, c
   take(layout.shared, shared, m);
   take(layout.per_run[run], own, m);
   YamlNode tree = scene(layout, run, shared, own);
-  std::string key = tree_key(tree) + fmt::format("|{}|{}|{}|{}|{}|{}", data.fingerprint, m.length, m.time, m.offset, m.tilt_x, m.tilt_y);
-  for (const auto& [n, bias] : m.bias) key += fmt::format("|{}:{}", n, bias);
+  std::string key = tree_key(tree) + fmt::format("|{}|", data.fingerprint) + m.text();
   for (const WindowLoad& load : loads)
     key += fmt::format("|{} {} {} {} {} {} {} {} {}", load.body, load.from, load.to, load.force.x(), load.force.y(), load.force.z(),
                        load.torque.x(), load.torque.y(), load.torque.z());

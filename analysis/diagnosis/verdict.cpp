@@ -63,6 +63,7 @@ bool explains_enough(const Evidence& e) {
   const bool plain = e.lack_of_fit * e.lack_of_fit > plainly_more_than_noise;
   if (plain && all_of_site(e, EffectSite::numerics)) return false;
   if (plain && e.accelerations < least_explained) return false;
+  if (e.lack_of_fit > far_beyond_noise && e.error_left > most_error_left) return false;
   return !plain || 1 - e.explained <= std::pow(1 - least_explained, std::max(1, e.form_parameters));
 }
 

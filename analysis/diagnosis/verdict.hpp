@@ -21,6 +21,7 @@ struct Evidence {
   std::string solved;                 ///< physics beside numerics that are not the nominal's: these, by the name of their effect; as good as one effect more
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
   double explained = 0;               ///< share of the nominal's excess chi^2 that it removes
+  double error_left = 0;              ///< share of the nominal's rms error beyond noise that it leaves (explained.hpp)
   double accelerations = 1;           ///< share of the missing accelerations that it removes (explained.hpp)
 };
 
@@ -51,6 +52,9 @@ inline constexpr double indistinguishable_within = 3.0;
 /// each of its parameters must have explained as much of what the ones before it had left, and the candidate as much of the missing
 /// accelerations: in displacements a constant force imitates most of a push that passes.
 inline constexpr double least_explained = 0.5;
+/// What leaves more than so many times the noise must have brought the error to this share of what it was: any steady force does away
+/// with half of what a push, a strip of rougher ground or a repulsion does.
+inline constexpr double far_beyond_noise = 3, most_error_left = 0.25;
 inline constexpr double level = 0.01;  ///< of the lack of fit
 /// chi^2 per degree of freedom from which what a model leaves is systematic: its samples are no longer independent, its runs are.
 inline constexpr double plainly_more_than_noise = 2;

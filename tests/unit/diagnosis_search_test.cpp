@@ -102,6 +102,40 @@ TEST(Screening, ASensorThatTheFirstRunLacksIsLookedAt) {
   EXPECT_LT(bias.reached, 0.01 * fit.chi2);
 }
 
+TEST(Screening, SeesTheOriginOfPositionsUnlessEachRunHasItsOwn) {
+  Bundle bundle = flights({});
+  const Term origin{find_effect("sensor_bias"), "position"};
+  for (BundleRun& run : bundle.runs)
+    for (Vec3& x : run.observations[0].position) x += Vec3(0.02, 0, -0.01);
+  {
+    const Problem problem(bundle, all(bundle), fly);
+    const Fit fit = nominal_fit(problem);
+    EXPECT_LT(screen(problem, fit, Nuisance(problem, fit), origin, 10).reached, 0.05 * fit.chi2);
+  }
+  for (BundleRun& run : bundle.runs) run.free.push_back("bodies.ball.position");
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  EXPECT_TRUE(screen(problem, fit, Nuisance(problem, fit), origin, 10).probes.empty()) << "in free flight one place is like another";
+}
+
+TEST(Hypothesis, OffersABiasForEachKindOfSensor) {
+  Bundle bundle = flights({});
+  const auto places = [&] {
+    std::vector<std::string> found;
+    for (const Term& t : possible_terms(bundle, natural_scale(realise(bundle.scene, 1))))
+      if (t.row->name == "sensor_bias") found.push_back(t.place);
+    return found;
+  };
+  EXPECT_EQ(places(), std::vector<std::string>{"position"});
+  Observation height = bundle.runs[0].observations[0];
+  height.kind = ObservableKind::series;
+  height.name = "height";
+  bundle.runs[0].observations.push_back(height);
+  EXPECT_EQ(places(), (std::vector<std::string>{"", "position"}));
+  for (BundleRun& run : bundle.runs) run.observations = {height};
+  EXPECT_EQ(places(), std::vector<std::string>{""});
+}
+
 TEST(Hypothesis, FreesWhatTheSceneStates) {
   Bundle bundle = flights({.nominal = "{quadratic_drag: {coefficient: 0.3, fluid_density: 1}, gravity_tilt: {x_deg: 2}}"});
   const NaturalScale scale = natural_scale(realise(bundle.scene, 1));

@@ -81,6 +81,19 @@ TEST(Verdict, NamesNothingThatImitatesDisplacementsAlone) {
   EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "missing") << "what leaves noise has explained all";
 }
 
+TEST(Verdict, WhatLeavesManyTimesTheNoiseMustHaveTakenMostOfTheError) {
+  // 74 sigma fell to 27.6: a strip of rougher ground, which a tilt of 17 degrees does half of.
+  Evidence tilt = model({"gravity_tilt"}, -1000, 27.6, 0.82);
+  tilt.error_left = 0.37;
+  const Evidence nominal = model({}, -9000, 74);
+  EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "unknown");
+  tilt.error_left = 0.2;
+  EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "missing");
+  tilt.error_left = 0.37;
+  tilt.lack_of_fit = 2;
+  EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "missing") << "what engines and steps leave";
+}
+
 TEST(Verdict, AFlexibleEffectThatLeavesPlainlyMoreThanNoiseHasExplainedNothing) {
   const auto periodic = [](double scale, double explained) {
     Evidence e = model({"periodic_force"}, -100, scale, explained);

@@ -122,6 +122,27 @@ Bundle kicked_flights(double fitted, double held_out) {
   return bundle;
 }
 
+TEST(Diagnosis, TellsAnOriginThatIsOffFromForces) {
+  Bundle bundle = flights(six(4, "{}"));
+  for (BundleRun& run : bundle.runs)
+    for (Vec3& x : run.observations[0].position) x += Vec3(0.003, 0, -0.005);
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  // Of a ball that does not turn, nobody can tell whether the ruler's origin is off or its centre of mass.
+  EXPECT_EQ(d.verdict.indistinguishable, (std::vector<std::vector<std::string>>{{"sensor_bias", "center_of_mass_offset"}}));
+  ASSERT_EQ(d.verdict.ranked.front().effects, std::vector<std::string>{"sensor_bias"});
+  const std::vector<ParameterEstimate>& found = d.models[d.best].parameters;
+  ASSERT_EQ(found.size(), 3u);
+  EXPECT_EQ(found[0].name, "sensor_bias.bias.0");
+  EXPECT_EQ(found[0].unit, "m");
+  const Vec3 truth(0.003, 0, -0.005);
+  for (std::size_t i = 0; i < 3; ++i) {
+    // The 90 % interval, twice as wide: 0.1 % of draws are beyond.
+    const double half = 0.5 * (found[i].upper - found[i].lower);
+    EXPECT_NEAR(found[i].value, truth[static_cast<Eigen::Index>(i)], 2 * half);
+    EXPECT_LT(half, 0.5e-3);
+  }
+}
+
 TEST(Diagnosis, IsUnknownWhereTheForceIsInNoLibrary) {
   const Diagnosis d = diagnose(kicked_flights(0.01, 0.01), fly, quick());
   EXPECT_EQ(d.verdict.word, "unknown") << d.models[d.best].hypothesis.label();

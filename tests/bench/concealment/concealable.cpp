@@ -136,5 +136,15 @@ Concealable frame_tilt(Random& random) {
 Concealable sensor_bias(double lower, double upper) {
   return of_the_recorder("sensor_bias", "bias", lower, upper, 0, [](Recorder& r, double v) { r.bias = v; });
 }
+Concealable shifted_origin(Random& random, double lower, double upper) {
+  return {"sensor_bias", lower, upper, false, "", [azimuth = angle(random)](double strength) {
+            Change change;
+            change.recorder.origin = strength * Vec3(std::cos(azimuth), std::sin(azimuth), 0);
+            const bool along_x = std::abs(std::cos(azimuth)) > std::abs(std::sin(azimuth));
+            change.parameter = along_x ? "sensor_bias.bias.0" : "sensor_bias.bias.1";
+            change.value = change.recorder.origin[along_x ? 0 : 1];
+            return change;
+          }};
+}
 
 }  // namespace repose::concealment

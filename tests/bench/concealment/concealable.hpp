@@ -31,5 +31,7 @@ Concealable time_scale();
 Concealable time_offset();
 Concealable frame_tilt(Random& random);
 Concealable sensor_bias(double lower, double upper);
+/// The same of positions, along a drawn horizontal direction; strength [m].
+Concealable shifted_origin(Random& random, double lower, double upper);
 
 }  // namespace repose::concealment

@@ -39,7 +39,7 @@ bool sets(const std::vector<Override>& changes, const std::string& key) {
 }
 
 Recorder both(const Recorder& a, const Recorder& b) {
-  return {a.length * b.length, a.time * b.time, a.offset + b.offset, a.tilt_x + b.tilt_x, a.tilt_y + b.tilt_y, a.bias + b.bias};
+  return {a.length * b.length, a.time * b.time, a.offset + b.offset, a.tilt_x + b.tilt_x, a.tilt_y + b.tilt_y, a.bias + b.bias, a.origin + b.origin};
 }
 
 /// One attempt at a case.

@@ -87,7 +87,8 @@ Experiment thrown(Random& random) {
                length_scale(),
                time_scale(),
                time_offset(),
-               frame_tilt(random)};
+               frame_tilt(random),
+               shifted_origin(random, 3e-4, 0.03)};
   e.opposed = {{"quadratic_drag", "length_scale"}, {"quadratic_drag", "uniform_force"}, {"linear_drag", "time_scale"}, {"magnus", "gravity_tilt"}};
   return e;
 }
@@ -115,7 +116,8 @@ Experiment rolled(Random& random) {
                factor("inertia", "effects.inertia.factor", 0.02, 0.5, "sliding"),
                length_scale(),
                time_scale(),
-               frame_tilt(random)};
+               frame_tilt(random),
+               shifted_origin(random, 3e-4, 0.03)};
   e.opposed = {{"rolling_friction", "gravity_tilt"}, {"rolling_friction", "length_scale"}, {"quadratic_drag", "uniform_force"}};
   return e;
 }
@@ -182,7 +184,8 @@ Experiment bounced(Random& random) {
                gravity_tilt(random, 0.2, 6),
                factor("inertia", "effects.inertia.factor", 0.03, 0.5, "impact"),
                length_scale(),
-               time_scale()};
+               time_scale(),
+               shifted_origin(random, 3e-4, 0.03)};
   e.opposed = {{"rate_dependent_restitution", "length_scale"}, {"quadratic_drag", "time_scale"}};
   return e;
 }

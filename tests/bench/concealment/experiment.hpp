@@ -11,12 +11,13 @@
 
 namespace repose::concealment {
 
-/// What happens to samples on their way into the record, in the order: scale and tilt of lengths, bias, clock.
+/// What happens to samples on their way into the record, in the order: scale and tilt of lengths, origin and bias, clock.
 struct Recorder {
   double length = 1, time = 1;    ///< recorded = factor * true
   double offset = 0;              ///< [s], recorded time = true + offset
   double tilt_x = 0, tilt_y = 0;  ///< [deg], of the recording's axes against the world's
   double bias = 0;                ///< of a series, in its unit
+  Vec3 origin = Vec3::Zero();     ///< [m] of the world, as recorded
 };
 
 /// The world with an effect at one strength.

@@ -107,7 +107,7 @@ std::vector<Observation> record(const Experiment& experiment, const History& his
   for (Observation o : experiment.observables) {
     observe(history, real, o);
     o.time = recorded;
-    for (Vec3& x : o.position) x = recorder.length * (turn * x);
+    for (Vec3& x : o.position) x = recorder.length * (turn * x) + recorder.origin;
     for (Quat& q : o.orientation) q = turn * q;
     for (double& v : o.value) v += recorder.bias;
     result.push_back(std::move(o));
