@@ -44,7 +44,8 @@ json score_json(const Diagnosis& d, const FittedHypothesis& model, bool held) {
   for (const std::size_t run : s.runs)
     for (std::size_t i = 0; i < fit.layout.per_run[run].size(); ++i) {
       const Parameter& p = fit.layout.per_run[run][i];
-      const std::string name = p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component);
+      // The number of a bias is its observation's, not that of an axis.
+      const std::string name = p.component < 0 ? p.key : fmt::format("{}.{}{}", p.key, p.use == Parameter::Use::bias ? "observable_" : "", p.component);
       result["own"][d.run_ids[run]][name] = fit.own[run][static_cast<Eigen::Index>(i)];
     }
   return result;

@@ -13,7 +13,7 @@ struct Stage {
 };
 
 /// In their order. A name counts for the last one that it suits.
-constexpr std::array<Stage, 13> stages = {{{"calibrating", "", 4},
+constexpr std::array<Stage, 14> stages = {{{"calibrating", "", 4},
                                            {"screening candidates", "", 15},
                                            {"locating", "", 5},
                                            {"another way to solve it", "", 8},
@@ -23,6 +23,7 @@ constexpr std::array<Stage, 13> stages = {{{"calibrating", "", 4},
                                            {"screening a second", "", 15},
                                            {"trying ", " + ", 8},
                                            {"", " from where ", 6},
+                                           {"bootstrap", "", 20},
                                            {"runs that were held out", "", 6},
                                            {"intervals", "", 4},
                                            {"a recording", "", 4}}};

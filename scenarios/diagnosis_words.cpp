@@ -279,6 +279,9 @@ std::string raised_noise_in_words(const Diagnosis& d, const std::string& observa
 
 std::string diagnosis_in_words(const Diagnosis& d) {
   std::string text = (d.interrupted ? "Interrupted; this is what was found until then. " : "") + by_verdict(d);
+  for (const auto& [name, scatter] : d.understated)
+    text += fmt::format(" The bundle states a noise of {0}{1} for {2}, but its samples scatter by {3}{1} from one to the next, and the scene leaves no more: that was taken for the noise.",
+                        three(d.stated_noise.at(name)), unit_of(name), name, three(scatter));
   for (const auto& [name, share] : d.overstated)
     text += fmt::format(" But {} differs by {} of the noise that the bundle states: what is smaller than that noise cannot be seen, and if it is not in SI units, nothing was tested.",
                         name, three(share));

@@ -115,17 +115,19 @@ int spread(const Options& options, const std::filesystem::path& beds) {
   const Scene scene = load_scene(scene_file(options), options.overrides);
   demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
-  const Prepared bed_prepared = prepare_bed(scene, options);
+  Prepared bed_prepared = prepare_bed(scene, options);
   std::vector<Finding> told = bed_prepared.findings;
   add_missing(check_spreading(scene, options), told);
   repose::tell(told);
   if (!goes_on(options)) clear(options.out);
-  const std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
+  std::optional<Bed> bed = make_bed(bed_prepared, options, beds);
   if (!bed) {
     fmt::print(stderr, "interrupted while the bed settled; the same command with --resume goes on from here\n");
     return exit_status::interrupted;
   }
   Spreading spreading = over_the_bed(scene, bed_prepared.model, bed->state, options);
+  bed_prepared.model = {};  // half a kilobyte a grain that nothing looks at again
+  bed->state = {};
   const auto told_before = static_cast<std::ptrdiff_t>(told.size());
   add_missing(spreading.prepared.findings, told);
   repose::tell({told.begin() + told_before, told.end()});

@@ -21,7 +21,7 @@ constexpr double too_long = 100;      // times what the scene lasts
 constexpr double shortest_slide = 1e-3;  // [m]: what came to rest at once may have moved less than its start suggests
 constexpr double thousand_from = 300, thousand_to = 3000;
 
-/// Dimensions of the series that a simulation tells, but for angles.
+/// Dimensions of the series that a simulation tells, but for angles (which are told in degrees).
 const std::map<std::string, Dimension>& dimensions() {
   constexpr Dimension torque{2, 1, -2, 0};
   static const std::map<std::string, Dimension> known{
@@ -69,9 +69,11 @@ void check_lengths(const BundleRun& run, const Observation& o, const SceneBody& 
   if (path.extent > too_far * reach && reach > 0)
     throw Error(place, fmt::format("it moves {:.3g} m within {:.3g} s, where {:.3g} m is what its start and gravity allow", path.extent, t, reach),
                 "positions are in metres, times in seconds: are these millimetres, or milliseconds?");
+  // A guess of a free start may be far off, but hardly by the same factor in height.
   const bool is_free = std::find(run.free.begin(), run.free.end(), "bodies." + o.body + ".position") != run.free.end();
+  const bool height_too = path.start.z() != 0 && about_a_thousand(path.first.z() / path.start.z());
   const double there = path.first.norm(), here = path.start.norm();
-  if (is_free || there == 0 || here == 0) return;
+  if ((is_free && !height_too) || there == 0 || here == 0) return;
   const double ratio = there / here;
   if (about_a_thousand(ratio))
     throw Error(place, fmt::format("it begins {:.3g} m from the origin, where the scene starts it {:.3g} m away: a factor of about 1000", there, here),
@@ -95,6 +97,13 @@ void check_series(const BundleRun& run, const Observation& o, const SceneBody& b
 }
 
 }  // namespace
+
+Dimension dimension_of(const std::string& observable) {
+  if (observable == "position") return dimension::length;
+  if (observable == "orientation") return dimension::angle;
+  const auto found = dimensions().find(observable);
+  return found == dimensions().end() ? dimension::none : found->second;
+}
 
 void turn_into_si(const YamlReader& entry, Observation& o) {
   if (o.name == "surface_angle" || o.name == "angle_of_repose") {

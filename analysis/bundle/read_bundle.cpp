@@ -182,9 +182,7 @@ class BundleReader {
       }
     block.only({names.begin(), names.end()});
     for (const auto& [name, reader] : block.named())
-      bundle_.noise[name] = reader.number(positive(name == "position"      ? dimension::length
-                                                   : name == "orientation" ? dimension::angle
-                                                                           : dimension::none));
+      bundle_.noise[name] = reader.number(positive(dimension_of(name)));
   }
 
   const BundleFiles& files_;

@@ -15,6 +15,7 @@
 #include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/quarter_turn.hpp"
 #include "analysis/diagnosis/split.hpp"
+#include "analysis/diagnosis/understated_noise.hpp"
 #include "core/error.hpp"
 
 namespace repose::diagnosis {
@@ -45,6 +46,9 @@ class Diagnosing {
     follow_further(problem_, fit_options_);
     note_horizons(bundle);
   }
+
+  /// To be asked before run().
+  std::map<std::string, double> understated() const { return understated_noise(problem_, train_, fit_options_); }
 
   Diagnosis run() {
     demand_candidates();
@@ -159,7 +163,7 @@ class Diagnosing {
   /// Step 4 with the whole fit repeated.
   void repeat_nominal(const SearchOptions& how) {
     const NullDistribution null = bootstrap(problem_, result_.models.front().fit, simulate_, options_.bootstrap, how);
-    if (null.largest.empty()) return;
+    if (interrupted() || null.largest.empty()) return;  // few replicas reach no small p, whatever is missing
     result_.lack_of_fit_p = null.p(deviate_);
     result_.replicas = static_cast<int>(null.largest.size());
     result_.bootstrapped = true;
@@ -175,7 +179,7 @@ class Diagnosing {
     model.scale = std::max(1.0, std::sqrt(model.fit.per_dof()));
     model.train = score_of(problem_, model.fit);
     const Layout plain = problem_.layout({});
-    model.extra_parameters = static_cast<int>(model.fit.layout.shared.size() - plain.shared.size());
+    model.extra_parameters = seen_parameters(problem_, model.fit, plain.shared.size());
     std::size_t in_a_run = 0;
     for (const std::size_t run : train_) in_a_run = std::max(in_a_run, model.fit.layout.per_run[run].size() - plain.per_run[run].size());
     model.form_parameters = model.extra_parameters + static_cast<int>(in_a_run);
@@ -473,7 +477,15 @@ class Diagnosing {
 }  // namespace
 
 Diagnosis diagnose(const Bundle& bundle, const Simulate& simulate, const DiagnoseOptions& options) {
-  return Diagnosing(bundle, simulate, options).run();
+  Diagnosing as_stated(bundle, simulate, options);
+  const std::map<std::string, double> understated = as_stated.understated();
+  if (understated.empty()) return as_stated.run();
+  Bundle as_it_scatters = bundle;
+  for (const auto& [name, scatter] : understated) as_it_scatters.noise[name] = scatter;
+  Diagnosis result = Diagnosing(as_it_scatters, simulate, options).run();
+  result.stated_noise = bundle.noise;
+  result.understated = understated;
+  return result;
 }
 
 }  // namespace repose::diagnosis

@@ -56,9 +56,8 @@ class Derivatives {
 
 double excess(const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); }
 
-}  // namespace
-
-double share_explained(const Fit& nominal, const Fit& model) {
+/// Of the excess chi^2 of each run that plainly leaves more than noise: the share that the model leaves.
+std::vector<double> left_in_runs(const Fit& nominal, const Fit& model) {
   std::vector<double> shares;
   for (std::size_t i = 0; i < nominal.runs.size(); ++i) {
     const auto of_run = [i](const Fit& fit) {
@@ -67,15 +66,28 @@ double share_explained(const Fit& nominal, const Fit& model) {
     };
     if (nominal.residual[i].size() == 0 || model.residual[i].size() == 0) continue;
     const double before = of_run(nominal);
-    if (before > (plainly_more_than_noise - 1) * static_cast<double>(nominal.residual[i].size()))
-      shares.push_back(std::max(-1.0, 1 - of_run(model) / before));
+    if (before > (plainly_more_than_noise - 1) * static_cast<double>(nominal.residual[i].size())) shares.push_back(of_run(model) / before);
   }
-  if (!shares.empty()) return std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+  return shares;
+}
+
+}  // namespace
+
+double share_explained(const Fit& nominal, const Fit& model) {
+  const std::vector<double> left = left_in_runs(nominal, model);
+  if (!left.empty())
+    return std::accumulate(left.begin(), left.end(), 0.0, [](double sum, double l) { return sum + std::max(-1.0, 1 - l); }) / static_cast<double>(left.size());
   const double before = excess(nominal);
   return before > 0 ? 1 - excess(model) / before : 0;
 }
 
 double error_left(const Fit& nominal, const Fit& model) {
+  std::vector<double> left = left_in_runs(nominal, model);
+  if (!left.empty()) {
+    const auto middle = left.begin() + static_cast<std::ptrdiff_t>(left.size() / 2);
+    std::nth_element(left.begin(), middle, left.end());
+    return std::sqrt(*middle);
+  }
   const double before = excess(nominal);
   return before > 0 ? std::sqrt(excess(model) / before) : 1;
 }

@@ -400,6 +400,20 @@ Eigen::MatrixXd shared_alone(const RunJacobian& jacobian) {
   return jacobian.shared - jacobian.own * jacobian.own.colPivHouseholderQr().solve(jacobian.shared);
 }
 
+int seen_parameters(const Problem& problem, const Fit& fit, std::size_t first) {
+  constexpr double negligible = 1e-3;  // of what the parameter does before start values are taken out: slopes are finite differences
+  const auto n = static_cast<Eigen::Index>(fit.layout.shared.size()), from = static_cast<Eigen::Index>(first);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(n), alone = all;
+  for (const std::size_t run : fit.runs) {
+    const RunJacobian j = jacobian(problem, fit, run);
+    all += j.shared.colwise().squaredNorm().transpose();
+    alone += shared_alone(j).colwise().squaredNorm().transpose();
+  }
+  int seen = 0;
+  for (Eigen::Index i = from; i < n; ++i) seen += alone[i] > negligible * negligible * all[i] ? 1 : 0;
+  return seen;
+}
+
 Eigen::MatrixXd information_of(const Problem& problem, const Fit& fit) {
   const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);

@@ -64,6 +64,10 @@ RunJacobian jacobian(const Problem& problem, const Fit& fit, std::size_t run);
 /// What the shared parameters do to a run beyond what its own values imitate.
 Eigen::MatrixXd shared_alone(const RunJacobian& jacobian);
 
+/// How many of the shared parameters, from the `first` on, the recordings show beyond what start values imitate: an axis that nobody watched, or
+/// along which every run has its own start, says nothing and costs nothing.
+int seen_parameters(const Problem& problem, const Fit& fit, std::size_t first);
+
 /// J^T J of the shared parameters at the fit, without what the values of each run can imitate.
 Eigen::MatrixXd information_of(const Problem& problem, const Fit& fit);
 

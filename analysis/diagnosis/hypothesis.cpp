@@ -7,6 +7,7 @@
 #include <set>
 
 #include "analysis/bundle/scene_keys.hpp"
+#include "analysis/diagnosis/measurement.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 
@@ -15,7 +16,7 @@ namespace {
 
 constexpr double difference = 1e-3;  // of a parameter's range or value: simulations are exact to far less
 constexpr const char* of_positions = "position";  // place of a sensor_bias
-constexpr double farthest_origin = 10;            // mean radii: as far as the diagnosis looks for the origin of a recording
+constexpr double farthest_origin = 1000;          // mean radii: a camera may have its origin anywhere in the room
 
 /// A finite value to begin from: the one that does nothing, or just inside the bounds.
 double first_value(const EffectParameter& p, const EffectBounds& bounds) {
@@ -77,7 +78,7 @@ TermParameters of_measurement(const Term& term, const NaturalScale& scale, const
     result.shared = {measured(Use::tilt_x, row.name, row.parameters[0], bounds(0)), measured(Use::tilt_y, row.name, row.parameters[1], bounds(1))};
   if (row.name == "sensor_bias")
     for (std::size_t i = 0; i < observations.size(); ++i) {
-      if (observations[i].kind != ObservableKind::series) continue;
+      if (!is_simulated_series(observations[i])) continue;
       const double largest = largest_bias(observations[i], scale);
       Parameter p = measured(Use::bias, row.name, row.parameters[0], {-largest, 0, largest});
       p.component = static_cast<int>(i);

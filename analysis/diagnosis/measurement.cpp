@@ -50,6 +50,10 @@ void take(const std::vector<Parameter>& parameters, const Eigen::VectorXd& value
   }
 }
 
+bool is_simulated_series(const Observation& o) {
+  return o.kind == ObservableKind::series && (o.name == "specific_force" || o.name == "speed" || o.name == "height");
+}
+
 Vec3 rotation_vector(const Quat& q) {
   const Eigen::AngleAxisd turn(q.w() < 0 ? Quat(-q.w(), -q.x(), -q.y(), -q.z()) : q);
   return turn.angle() * turn.axis();

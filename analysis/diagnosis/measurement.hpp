@@ -42,6 +42,9 @@ struct Measurement {
 /// Takes from the parameters those of the measurement.
 void take(const std::vector<Parameter>& parameters, const Eigen::VectorXd& values, Measurement& measurement);
 
+/// A series that a simulation of few bodies has: of others nothing is compared.
+bool is_simulated_series(const Observation& observation);
+
 /// Rotation vector of the shorter turn [rad].
 Vec3 rotation_vector(const Quat& q);
 

@@ -121,7 +121,7 @@ void Problem::set_up_channels(RunData& data) const {
       for (int k = 0; k < 3; ++k) add("position", n, k, [&](std::size_t i) { return std::isfinite(o.position[i][k]); });
       if (!o.orientation.empty())
         for (int k = 0; k < 3; ++k) add("orientation", n, k, [&](std::size_t i) { return std::isfinite(o.orientation[i].w()); });
-    } else if (o.kind == ObservableKind::series && (o.name == "specific_force" || o.name == "speed" || o.name == "height")) {
+    } else if (is_simulated_series(o)) {
       add(o.name, n, 0, [&](std::size_t i) { return std::isfinite(o.value[i]); });
     }
   }

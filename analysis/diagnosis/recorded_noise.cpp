@@ -72,9 +72,7 @@ class Collection {
   std::map<std::string, double> steps_;  ///< of the readings, the least of all runs and axes
 };
 
-}  // namespace
-
-std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std::vector<std::size_t>& runs) {
+Collection samples_of(const Bundle& bundle, const std::vector<std::size_t>& runs) {
   Collection collection;
   for (const std::size_t index : runs)
     for (const Observation& o : bundle.runs[index].observations) {
@@ -88,7 +86,17 @@ std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std
         if (!o.orientation.empty()) collection.add("orientation", o.time, turns[static_cast<std::size_t>(k)], 2 * std::numbers::pi);
       }
     }
-  return collection.noise(bundle.noise);
+  return collection;
+}
+
+}  // namespace
+
+std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std::vector<std::size_t>& runs) {
+  return samples_of(bundle, runs).noise(bundle.noise);
+}
+
+std::map<std::string, NoiseModel> scatter_of_samples(const Bundle& bundle, const std::vector<std::size_t>& runs) {
+  return samples_of(bundle, runs).noise({});
 }
 
 }  // namespace repose::diagnosis

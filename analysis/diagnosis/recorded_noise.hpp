@@ -14,4 +14,7 @@ namespace repose::diagnosis {
 /// less is a number that nothing disturbed, and no model is exact to that.
 std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std::vector<std::size_t>& runs);
 
+/// The same as if the bundle gave none.
+std::map<std::string, NoiseModel> scatter_of_samples(const Bundle& bundle, const std::vector<std::size_t>& runs);
+
 }  // namespace repose::diagnosis

@@ -21,7 +21,7 @@ struct Evidence {
   std::string solved;                 ///< physics beside numerics that are not the nominal's: these, by the name of their effect; as good as one effect more
   double lack_of_fit = 0;             ///< scale of its residuals on the training runs, in units of the noise
   double explained = 0;               ///< share of the nominal's excess chi^2 that it removes
-  double error_left = 0;              ///< share of the nominal's rms error beyond noise that it leaves (explained.hpp)
+  double error_left = 1;              ///< share of the nominal's rms error beyond noise that it leaves (explained.hpp)
   double accelerations = 1;           ///< share of the missing accelerations that it removes (explained.hpp)
 };
 

@@ -234,6 +234,27 @@ TEST_F(BundleFolder, AFreeStartMayBeFast) {
   expect_refusal("it moves 225 m", "millimetres");
 }
 
+TEST_F(BundleFolder, AFreeStartIsHardlyAThousandTimesTooHigh) {
+  const std::string free = "    free: [bodies.ball.position, bodies.ball.velocity]\n";
+  // A ball that rolls half a metre, a metre up, seen by a camera a kilometre away; and the same in millimetres.
+  write("a.csv", "time,body,x,y,z\n0,ball,1000,0,1\n0.3,ball,1000.2,0,1\n0.6,ball,1000.3,0,1\n1,ball,1000.5,0,1\n");
+  write("recording.yaml", yaml(free));
+  EXPECT_EQ(refusal(), "");
+  write("a.csv", "time,body,x,y,z\n0,ball,0,0,1000\n0.3,ball,200,0,1000\n0.6,ball,300,0,1000\n1,ball,500,0,1000\n");
+  expect_refusal("a factor of about 1000", "millimetres");
+}
+
+TEST_F(BundleFolder, ANoiseMayHaveTheUnitOfWhatItIsOf) {
+  write("h.csv", "time,value\n0,1\n0.1,0.951\n0.2,0.804\n0.3,0.559\n");
+  const auto with = [&](const std::string& noise) {
+    write("recording.yaml", "scene: nominal.yaml\nnoise: {height: " + noise + "}\nruns: [{id: a, observables: [{kind: series, name: height, body: ball, file: h.csv}]}]\n");
+  };
+  with("2 mm");
+  EXPECT_EQ(read_bundle(folder).noise.at("height"), 2e-3);
+  with("2 s");
+  EXPECT_NE(refusal(), "");
+}
+
 TEST_F(BundleFolder, AHeightInMillimetresFallsFasterThanAnythingCan) {
   const std::string height = "scene: nominal.yaml\nnoise: {height: 1.0e-3}\nruns: [{id: a, observables: [{kind: series, name: height, body: ball, file: h.csv}]}]\n";
   write("h.csv", "time,value\n0,1\n0.1,0.951\n0.2,0.804\n0.3,0.559\n");

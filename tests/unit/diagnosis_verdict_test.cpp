@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "analysis/diagnosis/verdict.hpp"
 
@@ -16,6 +17,7 @@ Evidence model(const std::vector<std::string>& effects, double held_out, double 
   e.form_parameters = e.parameters;
   e.lack_of_fit = scale;
   e.explained = effects.empty() ? 0 : explained;
+  e.error_left = std::sqrt(1 - e.explained);  // as if all runs were alike
   return e;
 }
 
@@ -73,6 +75,7 @@ TEST(Verdict, IsUnknownWhereNothingExplainsTheMismatch) {
 TEST(Verdict, NamesNothingThatImitatesDisplacementsAlone) {
   Evidence tilt = model({"gravity_tilt"}, -100, 38, 0.86);
   tilt.form_parameters = 2;
+  tilt.error_left = 0.2;
   const Evidence nominal = model({}, -5e6, 100);
   EXPECT_EQ(judge({nominal, tilt}, 0.002, 0.002).word, "missing");
   tilt.accelerations = 0.1;
@@ -110,7 +113,9 @@ TEST(Verdict, AFlexibleEffectThatLeavesPlainlyMoreThanNoiseHasExplainedNothing) 
 TEST(Verdict, NamesThePartThatIsExplainedWhereThePairIsNot) {
   Evidence pair = model({"friction", "contact_compliance"}, -200, 4, 0.78);
   pair.form_parameters = 3;
-  const Verdict v = judge({model({}, -1000, 8), model({"friction"}, -400, 5, 0.6), pair, model({"inertia"}, -700, 7, 0.2)}, 0.002, 0.002);
+  Evidence friction = model({"friction"}, -400, 5, 0.6);
+  friction.error_left = 0.2;  // of most runs; of one body the tracker took another
+  const Verdict v = judge({model({}, -1000, 8), friction, pair, model({"inertia"}, -700, 7, 0.2)}, 0.002, 0.002);
   EXPECT_EQ(v.word, "missing");
   EXPECT_EQ(v.best, 1);
   EXPECT_EQ(v.ranked.front().effects, std::vector<std::string>{"friction"});
@@ -144,6 +149,7 @@ TEST(Verdict, AShareJustBelowTheLimitIsNoReasonToPassOverARival) {
   quadratic.per_run = {-600, -700, -700};
   buoyant.per_run = {-2300, -2400, -2300};
   pair.train_gain = 9500, linear.train_gain = 9000, quadratic.train_gain = 8900, buoyant.train_gain = 1000;
+  pair.error_left = 0.15, linear.error_left = quadratic.error_left = 0.2;  // of most runs
   const Verdict v = judge({nominal, pair, linear, quadratic, buoyant}, 0.002, 0.002);
   EXPECT_EQ(v.word, "ambiguous");
   EXPECT_EQ(v.best, 2);

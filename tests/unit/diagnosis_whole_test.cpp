@@ -381,6 +381,35 @@ TEST(Diagnosis, SaysWhereTheStatedNoiseHidesEverything) {
   EXPECT_TRUE(diagnose(bundle, fly, quick()).overstated.empty());
 }
 
+TEST(Diagnosis, TakesTheScatterForNoiseWhereTheBundleStatesLess) {
+  Flights f = six(3);
+  f.rate = 200;
+  Bundle bundle = flights(f);
+  bundle.noise["position"] = 2e-4;  // a fifth of the truth
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  EXPECT_EQ(d.verdict.word, "none");
+  ASSERT_TRUE(d.understated.contains("position"));
+  EXPECT_NEAR(d.understated.at("position"), 1e-3, 1e-4);
+  EXPECT_EQ(d.stated_noise.at("position"), 2e-4);
+  f.truth = drag;
+  bundle = flights(f);
+  bundle.noise["position"] = 2e-4;
+  EXPECT_TRUE(diagnose(bundle, fly, quick()).understated.empty()) << "more is left than the samples scatter by";
+}
+
+TEST(Diagnosis, ABootstrapThatIsInterruptedSaysNothing) {
+  std::atomic<bool> stop{false};
+  DiagnoseOptions options = quick();
+  options.bootstrap = 99;
+  options.progress = [&](const std::string& stage, double done, double) { stop = stop || (stage.starts_with("bootstrap") && done > 1); };
+  options.interrupted = [&] { return stop.load(); };
+  const Diagnosis d = diagnose(flights(six(5, drag)), fly, options);
+  EXPECT_TRUE(d.interrupted);
+  EXPECT_FALSE(d.bootstrapped);
+  EXPECT_LE(d.lack_of_fit_p, 0.01);
+  EXPECT_NE(d.verdict.word, "none");
+}
+
 TEST(Diagnosis, ANominalSceneThatCannotRunIsTheUsersToMend) {
   const Simulate broken = [](const SimulationRequest&) -> History { throw Error("scene", "cannot run", "mend it", Error::Kind::simulation); };
   try {

@@ -1,0 +1,17 @@
+#pragma once
+/// Noise that the bundle states too small.
+#include <map>
+#include <string>
+#include <vector>
+
+#include "analysis/diagnosis/fit.hpp"
+
+namespace repose::diagnosis {
+
+/// Observables whose samples scatter from one to the next by more than 1.5 times the noise that the bundle states, and that scatter [SI], where
+/// the nominal scene, fitted to these runs, leaves no more than 1.2 times as much. What has the size of the scatter and nothing beyond it is
+/// noise, whatever was stated; taken at its word, the bundle would have something missing that no physics explains. Samples that are too far
+/// apart to follow the motion scatter by it: then the scene leaves less or more, and what was stated holds.
+std::map<std::string, double> understated_noise(const Problem& problem, const std::vector<std::size_t>& runs, const FitOptions& options);
+
+}  // namespace repose::diagnosis
