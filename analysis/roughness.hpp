@@ -1,7 +1,8 @@
 #pragma once
 /// Roughness of a surface after ISO 25178-2, and what has to be done to it before.
 ///
-/// 1. F operator: the least-squares plane is taken away (all holes left out).
+/// 1. F operator: the least-squares plane is taken away (all holes left out; `repose layer` has none, for it
+///    looks at the surface with the plate in them, see on_plate).
 /// 2. S filter: areal Gaussian of nesting index lambda_s (ISO 16610-61), weight exp(-pi (r / (alpha lambda))^2), alpha =
 ///    sqrt(ln 2 / pi) = 0.4697, cut off at one lambda; keeps what is longer. 0: none.
 /// 3. L filter: the same mean with lambda_l is taken away; keeps what is shorter. 0: none, the plane only.

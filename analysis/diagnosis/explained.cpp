@@ -82,14 +82,12 @@ double share_explained(const Fit& nominal, const Fit& model) {
 }
 
 double error_left(const Fit& nominal, const Fit& model) {
+  const double before = excess(nominal), together = before > 0 ? excess(model) / before : 1;
   std::vector<double> left = left_in_runs(nominal, model);
-  if (!left.empty()) {
-    const auto middle = left.begin() + static_cast<std::ptrdiff_t>(left.size() / 2);
-    std::nth_element(left.begin(), middle, left.end());
-    return std::sqrt(*middle);
-  }
-  const double before = excess(nominal);
-  return before > 0 ? std::sqrt(excess(model) / before) : 1;
+  if (left.empty()) return std::sqrt(together);
+  const auto middle = left.begin() + static_cast<std::ptrdiff_t>(left.size() / 2);
+  std::nth_element(left.begin(), middle, left.end());
+  return std::sqrt(std::min(together, *middle));
 }
 
 double share_of_accelerations(const Problem& problem, const Fit& nominal, const Fit& model) {

@@ -9,8 +9,9 @@ namespace repose::diagnosis {
 /// Both fits are of the same runs. At most 1; below 0 where the model leaves more.
 double share_explained(const Fit& nominal, const Fit& model);
 
-/// The nominal's rms error beyond noise: what share of it the model leaves, so a half where a quarter of chi^2 is left. The median of the runs that
-/// share_explained() looks at.
+/// The nominal's rms error beyond noise: what share of it the model leaves, so a half where a quarter of chi^2 is left. Of all runs
+/// together, or the median of those that share_explained() looks at, whichever is less: neither one run that is beyond all models nor many that were
+/// hardly off must speak for the others.
 double error_left(const Fit& nominal, const Fit& model);
 
 /// As share_explained(), but of what the residuals do rather than of where they are: their second derivatives (speeds: the first, accelerometers: themselves), constant

@@ -11,7 +11,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr int activation_rounds = 4;
-constexpr int energy_rounds = 9;  // eight halvings, then zero
+constexpr int energy_rounds = 9;  // of which seven halve, one sets to zero, and one looks
 
 struct Bounce {
   bool may = false;      ///< rule 1

@@ -10,7 +10,7 @@
 ///     approach before the step keeps gap / h: it is met in the next step, with a velocity of its own. So a row of balls
 ///     with gaps larger than v h hands an impulse on, and balls that touch bounce at the same time.
 ///  4. Energy: if a bouncing contact does positive work, g . (u_free + u+) / 2 > 0 (Newton's law with friction can:
-///     Kane's example), its bias is halved and the problem solved again, up to eight times, then set to zero.
+///     Kane's example), its bias is halved and the problem solved again, up to seven times, then set to zero.
 #include <functional>
 #include <span>
 #include <vector>

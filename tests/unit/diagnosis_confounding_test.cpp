@@ -20,11 +20,6 @@ const char* const push = "{uniform_force: {force: [0.0005, 0, 0]}}";
 /// Two explanations, fitted to all runs.
 struct Pair {
   Pair(const Bundle& bundle, const std::string& one, const std::string& other) : problem(bundle, all(bundle), fly), first(fitted(one)), second(fitted(other)) {}
-  static std::vector<std::size_t> all(const Bundle& bundle) {
-    std::vector<std::size_t> runs;
-    for (std::size_t i = 0; i < bundle.runs.size(); ++i) runs.push_back(i);
-    return runs;
-  }
   Fit fitted(const std::string& name) const {
     FitOptions options;
     options.iterations = 30;
@@ -40,7 +35,7 @@ struct Pair {
 
 /// The runs of the bundle recorded anew with the change, as numbered from 7 on, in the world of `truth`.
 std::vector<BundleRun> recorded_again(const Bundle& bundle, const Change& change, const Flights& world) {
-  const Problem problem(bundle, Pair::all(bundle), fly);
+  const Problem problem(bundle, all(bundle), fly);
   const Layout nominal = problem.layout({});
   Random random(world.seed, 5);
   std::vector<BundleRun> runs;
@@ -140,7 +135,7 @@ TEST(Confounding, TheRecordingThatIsSuggestedTellsThemApart) {
     ASSERT_EQ(before.verdict.word, "ambiguous") << truth;
     ASSERT_EQ(before.suggested.size(), 1u);
     EXPECT_GT(before.suggested[0].power, 0.95);
-    const Problem problem(bundle, Pair::all(bundle), fly);
+    const Problem problem(bundle, all(bundle), fly);
     const std::vector<Change> all = changes_of(problem, before.models[before.best].fit);
     const auto suggested = std::find_if(all.begin(), all.end(), [&](const Change& c) { return c.words() == before.suggested[0].what; });
     ASSERT_NE(suggested, all.end()) << before.suggested[0].what;

@@ -15,12 +15,6 @@
 namespace repose::diagnosis {
 namespace {
 
-std::vector<std::size_t> all(const Bundle& bundle) {
-  std::vector<std::size_t> runs(bundle.runs.size());
-  std::iota(runs.begin(), runs.end(), std::size_t{0});
-  return runs;
-}
-
 FitOptions steps(int iterations) {
   FitOptions options;
   options.iterations = iterations;

@@ -16,12 +16,6 @@ namespace {
 
 constexpr double degree = 0.017453292519943295;
 
-std::vector<std::size_t> all(const Bundle& bundle) {
-  std::vector<std::size_t> runs;
-  for (std::size_t i = 0; i < bundle.runs.size(); ++i) runs.push_back(i);
-  return runs;
-}
-
 /// A history of the ball at given positions and orientations, a step apart.
 History path(const std::vector<Vec3>& position, double step, const Quat& orientation = Quat::Identity()) {
   History h;

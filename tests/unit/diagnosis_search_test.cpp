@@ -12,12 +12,6 @@
 namespace repose::diagnosis {
 namespace {
 
-std::vector<std::size_t> all(const Bundle& bundle) {
-  std::vector<std::size_t> runs(bundle.runs.size());
-  std::iota(runs.begin(), runs.end(), std::size_t{0});
-  return runs;
-}
-
 Fit nominal_fit(const Problem& problem) { return minimise(problem, start_of(problem, problem.layout({}), all(problem.bundle())), {}); }
 
 Term term(const std::string& name) { return {find_effect(name), ""}; }

@@ -2,6 +2,7 @@
 /// Test support: recordings of a ball in flight, and an integrator without contacts that is exact enough to be their truth.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -116,6 +117,13 @@ inline void record_anew(BundleRun& run, const Simulate& engine, const Scene& sce
   o.orientation.clear();
   for (Vec3& x : o.position)
     for (double& c : x) c += f.noise * normal(random);
+}
+
+/// Indices of all its runs.
+inline std::vector<std::size_t> all(const Bundle& bundle) {
+  std::vector<std::size_t> runs(bundle.runs.size());
+  std::iota(runs.begin(), runs.end(), std::size_t{0});
+  return runs;
 }
 
 /// Trajectories of the ball with free start velocities; without `noise` in the bundle, so that it is estimated.
