@@ -46,7 +46,12 @@ Recorder both(const Recorder& a, const Recorder& b) {
 class Draft {
  public:
   Draft(const std::string& level, std::uint64_t seed, int attempt)
-      : level_(level), random_(seed, static_cast<std::uint64_t>(attempt)), e_(draw_experiment(families()[random_.below(families().size())], random_)) {}
+      : level_(level), random_(seed, static_cast<std::uint64_t>(attempt)), e_(draw_experiment(families()[random_.below(families().size())], random_)) {
+    // Not what any diagnosis tries: the maker's own step and tolerance are drawn, too.
+    Random solved(seed, 1000 + static_cast<std::uint64_t>(attempt));
+    conditions_.step_factor = 0.1 * std::pow(4, solved.uniform());
+    conditions_.tolerance_factor = 0.03 * std::pow(10, solved.uniform());
+  }
 
   /// nullopt if this draw does not make such a case.
   std::optional<ConcealedCase> make() {
@@ -256,7 +261,7 @@ class Draft {
       effects.push_back({{"effect", effects_[i]}, {"parameter", changes_[i].parameter}, {"value", changes_[i].value}, {"null", changes_[i].null},
                          {"phase", phases_[i]}});
     if (!outside_.empty()) effects.push_back({{"effect", outside_}});
-    made.truth = {{"level", level_}, {"family", e_.family}, {"backend", conditions_.backend}, {"effects", effects}, {"where", where},
+    made.truth = {{"level", level_}, {"family", e_.family}, {"backend", conditions_.backend}, {"step_factor", conditions_.step_factor}, {"effects", effects}, {"where", where},
                   {"sensor", name_of(sensor.kind)}, {"signal", seen}, {"calibrated", calibrated_}};
     return made;
   }
