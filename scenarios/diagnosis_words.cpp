@@ -267,7 +267,8 @@ std::string raised_noise_in_words(const Diagnosis& d, const std::string& observa
   const std::string unit = unit_of(observable);
   std::string text;
   if (stated != d.stated_noise.end() && sensor->second > 1.01 * stated->second)
-    text = fmt::format("The bundle states {}{}; by the steps of the readings, or their range, it is at least {}{}. ", three(stated->second), unit, three(sensor->second), unit);
+    text = fmt::format("The bundle states {}{}; by {} it is at least {}{}. ", three(stated->second), unit,
+                       d.understated.contains(observable) ? "the scatter of the samples" : "the steps of the readings, or their range,", three(sensor->second), unit);
   if (const double step = raised_noise(d, observable); step > 0)
     text += fmt::format("To the {}{} {} come {}{} by which the step of a simulation may err here, in squares: {}{} in all, so that the step does not pass for physics. "
                         "An error below 1 σ is the sign of it; a smaller time_step takes it away.",

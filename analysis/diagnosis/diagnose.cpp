@@ -310,7 +310,7 @@ class Diagnosing {
       e.form_parameters = m.form_parameters;
       e.stated = stated_in(m.hypothesis);
       e.explained = explained_by(i, search.base());
-      const Fit& plain = result_.models[i == search.base() ? 0 : search.base()].fit;
+      const Fit& plain = result_.models[i == 0 || i == search.base() ? 0 : search.base()].fit;
       e.error_left = error_left(plain, m.fit);
       e.accelerations = share_of_accelerations(problem_, plain, m.fit);
       if (std::any_of(e.sites.begin(), e.sites.end(), [](EffectSite s) { return s != EffectSite::numerics; })) e.solved = other_numerics(m.fit.layout.numerics);

@@ -30,6 +30,14 @@ TEST(DiagnosisWords, none_claims_nothing) {
   EXPECT_TRUE(says(diagnosis_in_words(chance), "chance makes one in 250 differ (p = 0.004), those that were held out do not (p = 0.3)")) << diagnosis_in_words(chance);
 }
 
+TEST(DiagnosisWords, noise_that_was_stated_too_small) {
+  diagnosis::Diagnosis d = test::sample_none();
+  d.stated_noise["position"] = 1e-4;
+  d.understated["position"] = d.sensor_noise["position"] = d.noise["position"].sd = 5e-4;
+  EXPECT_TRUE(says(diagnosis_in_words(d), "states a noise of 0.0001 m for position, but its samples scatter by 0.0005 m")) << diagnosis_in_words(d);
+  EXPECT_TRUE(says(raised_noise_in_words(d, "position"), "by the scatter of the samples it is at least 0.0005 m")) << raised_noise_in_words(d, "position");
+}
+
 TEST(DiagnosisWords, ambiguous_names_the_rival) {
   const std::string words = diagnosis_in_words(test::sample_ambiguous());
   EXPECT_TRUE(says(words, "explains it best: ρ = 0.1000 ± 0.0100; but these recordings cannot tell it from quadratic drag.")) << words;
