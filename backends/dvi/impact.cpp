@@ -38,6 +38,10 @@ Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, 
   return {c.normal.dot(d), t1.dot(d), t2.dot(d), t1.dot(w), t2.dot(w), c.normal.dot(w)};
 }
 
+bool may_bounce(const ImpactData& contact, double free) {
+  return contact.restitution > 0 && contact.before < 0 && -contact.before > 2 * std::abs(free - contact.before);
+}
+
 SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
                                const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
                                std::vector<Vec3>& angular_velocity, int threads) {
@@ -50,7 +54,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
     if (c.compliance == 0) c.bias = std::max(d.gap, 0.0) / step;
     if (!(d.restitution > 0) || !(d.before < 0)) return;
     const double free = relative_velocity(c, problem.velocity, problem.angular_velocity)[0];
-    bounce[i].may = -d.before > 2 * std::abs(free - d.before);
+    bounce[i].may = may_bounce(d, free);
     if (bounce[i].may) any_may.store(true, std::memory_order_relaxed);
     if (bounce[i].may && d.gap + step * free <= 0) {
       bounce[i].active = true;

@@ -88,7 +88,9 @@ class MidStep {
       const Slide slides = slide_of(u, free, 1, c.friction, pressed), rolls = slide_of(u, free, 3, c.rolling, pressed);
       const bool spin_changes = c.spinning > 0 && std::abs(u[5]) > stuck &&
                                 std::abs(u[5]) <= slides_on * (std::abs(free[5] - u[5]) + response_share * c.spinning * pressed);
-      const bool smoothly = step_ * std::abs(u[0]) <= smooth * c.arm && c.cohesion == 0 && c.compliance == 0;
+      // A blow has so short a step that it moves nothing; with the velocity before it added it would not be told from a contact that lies.
+      const bool smoothly =
+          step_ * std::abs(u[0]) <= smooth * c.arm && !may_bounce(impact_[i], free[0]) && c.cohesion == 0 && c.compliance == 0;
       const bool on = slides == Slide::on || rolls == Slide::on;
       for (const std::int32_t body : {c.a, c.b}) {
         gains[index(body)] |= on;

@@ -6,7 +6,8 @@
 /// added to the free ones: the rows of a contact are then u- + u+, twice the mean slip, and v+ is what comes out less v-. Normal rows keep
 /// their condition: the gap is made smaller by h u_n-.
 ///
-/// Left as they are: bodies that a contact stops, throws or begins to move in this step (the mean slip would send them back), and those that touch one.
+/// Left as they are: bodies that a contact stops, throws or begins to move in this step (the mean slip would send them back), those of a contact
+/// that may bounce (impact.hpp), and those that touch one.
 /// Nothing changes in a step in which nothing slides or rolls against friction.
 #include <functional>
 #include <span>

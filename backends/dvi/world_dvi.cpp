@@ -24,6 +24,7 @@ namespace repose::dvi {
 namespace {
 
 constexpr double penetration_slop = 1e-3;  // of R*: deeper overlap is removed, shallower is left alone
+constexpr double slop_of_second_order = 1e-5;  // what a landing leaves must not show in precise readings: it would pass for a start value
 constexpr int separation_rounds = 4;
 constexpr double touching = 1e-6;            // of R*
 constexpr std::size_t worth_a_thread = 500;  // bodies: below, waking threads costs more than it saves
@@ -182,6 +183,7 @@ class WorldDvi final : public World {
                 Error::Kind::simulation);
   }
 
+  double slop() const { return second_order() ? slop_of_second_order : penetration_slop; }
   bool second_order() const { return options_.integration == Integration::second_order; }
 
   /// Where a step of `h` has to end. Blows that fall within a short step of their own are all met in it; otherwise the first
@@ -345,7 +347,7 @@ class WorldDvi final : public World {
     const std::vector<FoundContact>& found = finder_.find_again(placement(resting_, resting_), moved_, options_.threads);
     const double deepest =  // over R*
         most_of(options_.threads, found.size(), [&](std::size_t i) { return -found[i].point.gap / arm_of(found[i]); });
-    if (deepest <= penetration_slop) return false;
+    if (deepest <= slop()) return false;
     // The contact problem of this step has been solved and told: its room serves again.
     for_each_index(options_.threads, n, [&](std::size_t i) {
       if (!first && moved_[i] == 0) return;
@@ -369,7 +371,7 @@ class WorldDvi final : public World {
       c.arm = arm_of(found[i]);
       gap_[i] = found[i].point.gap;
     });
-    push_apart(problem_, gap_, penetration_slop, options_.threads, displacement_);
+    push_apart(problem_, gap_, slop(), options_.threads, displacement_);
     moved_.resize(n);
     for_each_index(options_.threads, n, [&](std::size_t i) {
       const Displacement& pushed = displacement_[static_cast<std::size_t>(slot_[i])];
@@ -378,7 +380,7 @@ class WorldDvi final : public World {
       bodies_.position[i] += pushed.shift;
       bodies_.turn(i, pushed.turn);
     });
-    return deepest > 10 * penetration_slop;
+    return deepest > 10 * slop();
   }
 
   /// Where the image of body b stands that body a meets.
