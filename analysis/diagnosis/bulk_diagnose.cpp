@@ -195,6 +195,7 @@ class BulkDiagnosing {
       for (const Parameter& p : m.candidate.parameters) e.parameters += !p.effect.empty();
       e.held_out = held ? m.posterior.held_log_likelihood : m.posterior.best_log_likelihood;
       if (!std::isfinite(e.held_out)) e.held_out = -1e12;
+      e.held_out_as_fitted = e.held_out;
       e.train_gain = 2 * (m.posterior.best_log_likelihood - nominal.posterior.best_log_likelihood);
       const BulkCampaign::LackOfFit left = campaign_.lack_of_fit(m);
       e.lack_of_fit = left.p <= level ? std::sqrt(left.ratio) : 1;

@@ -280,13 +280,17 @@ class Diagnosing {
   }
 
   /// Recordings that another simulation made, with a quarter of the scene's step, may differ from ours by a quarter of the scene's
-  /// error: a mismatch of that size has no name, however significant.
+  /// error: a mismatch of that size, in a direction that other numerics take too, has no name, however significant.
   bool within_a_step(const Fit& leading) {
     const Fit& nominal = result_.models.front().fit;
     double scene_error = 0;
     for (const auto& [observable, error] : problem_.scene_error()) scene_error = std::max(scene_error, error);
     const double size = std::sqrt(std::max(0.0, nominal.chi2 - leading.chi2) / static_cast<double>(nominal.samples));
     if (result_.lack_of_fit_p > level || size > step_of_makers * scene_error) return false;
+    const auto imitates = [&](const FittedHypothesis& m) {
+      return !m.hypothesis.terms.empty() && without_numerics(m.hypothesis).terms.empty() && gain_towards(nominal, m.fit) >= 0.5 * (nominal.chi2 - leading.chi2);
+    };
+    if (std::none_of(result_.models.begin(), result_.models.end(), imitates)) return false;
     result_.notes.push_back(fmt::format("What stands out amounts to {:.2g} of the noise: a quarter of the scene's step errs by {:.2g}, so recordings of another "
                                         "simulation may differ by that, and it is not called physics. If these are no simulation's, write "
                                         "`integration: second_order` under `solver`.", size, step_of_makers * scene_error));
@@ -304,6 +308,7 @@ class Diagnosing {
       for (const Term& term : m.hypothesis.terms) e.sites.push_back(term.row->site);
       e.general = static_cast<int>(std::count_if(m.hypothesis.terms.begin(), m.hypothesis.terms.end(), [](const Term& t) { return !t.row->limit.empty(); }));
       e.held_out = m.predicted;
+      e.held_out_as_fitted = m.held_out.log_likelihood;
       e.per_run = m.held_out.per_run;
       e.train_gain = result_.models.front().fit.chi2 - m.fit.chi2;
       e.parameters = m.extra_parameters;

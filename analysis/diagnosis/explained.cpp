@@ -107,4 +107,15 @@ double share_of_accelerations(const Problem& problem, const Fit& nominal, const 
   return weights > 0 ? sum / weights : 1;
 }
 
+double gain_towards(const Fit& nominal, const Fit& other) {
+  double along = 0, length = 0;
+  for (std::size_t i = 0; i < nominal.residual.size(); ++i) {
+    if (nominal.residual[i].size() == 0 || other.residual[i].size() == 0) return 0;
+    const Eigen::VectorXd way = other.residual[i] - nominal.residual[i];
+    along -= way.dot(nominal.residual[i]);
+    length += way.squaredNorm();
+  }
+  return along > 0 ? along * along / length : 0;
+}
+
 }  // namespace repose::diagnosis

@@ -20,4 +20,8 @@ double error_left(const Fit& nominal, const Fit& model);
 /// lasts a tenth of the record, and a tenth of its acceleration. At most 1, at least -1; 1 where nothing stands out.
 double share_of_accelerations(const Problem& problem, const Fit& nominal, const Fit& model);
 
+/// By how much chi^2 falls on the straight way from one fit's residuals to another's, at best: what the other is right about, were it weaker or stronger.
+/// 0 where it leads away.
+double gain_towards(const Fit& nominal, const Fit& other);
+
 }  // namespace repose::diagnosis

@@ -40,6 +40,19 @@ double log_odds_by_runs(const Evidence& best, const Evidence& rival) {
   return std::log(p / (1 - p));
 }
 
+/// The uncertainty of a parameter that hardly matters has cost a rival that fits alike its likelihood, and the parameter as such a nat: that is twice.
+void count_parameters_once(const std::vector<Evidence>& evidence, std::size_t best, double temper, std::vector<double>& score) {
+  const Evidence& leader = evidence[best];
+  if (best == 0) return;
+  for (std::size_t i = 1; i < evidence.size(); ++i) {
+    const Evidence& rival = evidence[i];
+    const int more = rival.parameters - leader.parameters;
+    if (i == best || more != 1 || effects_of(rival) != effects_of(leader) || rival.general > leader.general || rival.stated > leader.stated) continue;
+    const double apart = std::max(leader.held_out_as_fitted - rival.held_out_as_fitted, 0.5 * (leader.train_gain - rival.train_gain));
+    if (apart <= alike_within * temper) score[i] = std::max(score[i], score[best] - cost_of_parameter * more);
+  }
+}
+
 constexpr double comparable = 0.8;  // of the leader's share of what was left over: a rival explains as much as that, or fits held-out runs better
 
 /// Samples of one run share what is systematic in it; counted one by one they would make a winner of every rival.
@@ -99,6 +112,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
     verdict.best = static_cast<int>(best);
     temper = temper_of(evidence[best]);
   }
+  count_parameters_once(evidence, static_cast<std::size_t>(verdict.best), temper, score);
   count_runs_not_samples(evidence, static_cast<std::size_t>(verdict.best), score);
   // Without a lack of fit nothing is missing: at best the prior odds of the level are against it.
   if (fits) verdict.best = 0;

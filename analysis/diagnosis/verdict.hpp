@@ -11,7 +11,8 @@ namespace repose::diagnosis {
 struct Evidence {
   std::vector<std::string> effects;   ///< none: nominal
   std::vector<EffectSite> sites;
-  double held_out = 0;                ///< log likelihood [nats]
+  double held_out = 0;                ///< log likelihood [nats] with the uncertainty of what was fitted
+  double held_out_as_fitted = 0;      ///< the same of the fitted values themselves
   std::vector<double> per_run;        ///< the same, run by run
   double train_gain = 0;              ///< over the nominal: twice the log likelihood ratio
   int parameters = 0;                 ///< beyond the nominal's
@@ -48,6 +49,9 @@ inline constexpr double cost_of_generality = 0.5;
 inline constexpr double cost_of_stated = 5.0, least_explained_by_stated = 0.9;
 /// Candidates closer than this to the best [nats, after the tempering of judge()] cannot be told apart.
 inline constexpr double indistinguishable_within = 3.0;
+/// Fits within so many nats of each other, on the fitted and on the held-out runs, are alike: a rival with one parameter more that these recordings hardly
+/// determine (the third component of a force) is then dearer by that parameter alone, and not by its uncertainty as well.
+inline constexpr double alike_within = 1.0;
 /// Below this share of what was left over, the best candidate has not explained it; where what it leaves is plainly more than noise,
 /// each of its parameters must have explained as much of what the ones before it had left, and the candidate as much of the missing
 /// accelerations: in displacements a constant force imitates most of a push that passes.

@@ -60,6 +60,19 @@ TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
   }
 }
 
+TEST(Alarm, WhatIsRightButTooStrongGainsOnTheWayThere) {
+  const auto leaving = [](double a, double b) {
+    Fit fit;
+    fit.residual = {Eigen::Vector2d(a, b)};
+    return fit;
+  };
+  const Fit nominal = leaving(3, 1);
+  EXPECT_DOUBLE_EQ(gain_towards(nominal, leaving(-3, 1)), 9) << "twice too strong: no better itself";
+  EXPECT_DOUBLE_EQ(gain_towards(nominal, leaving(2, 1)), 9) << "too weak";
+  EXPECT_EQ(gain_towards(nominal, leaving(4, 1)), 0) << "the other way";
+  EXPECT_EQ(gain_towards(nominal, nominal), 0);
+}
+
 TEST(Alarm, AConstantForceTakesTheDisplacementOfAPushThatPassesAndNotItsAcceleration) {
   Flights f = six();
   const auto both = [&] {

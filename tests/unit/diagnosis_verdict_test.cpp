@@ -12,7 +12,7 @@ Evidence model(const std::vector<std::string>& effects, double held_out, double 
   Evidence e;
   e.effects = effects;
   for (const std::string& name : effects) e.sites.push_back(find_effect(name)->site);
-  e.held_out = held_out;
+  e.held_out = e.held_out_as_fitted = held_out;
   e.parameters = static_cast<int>(effects.size());
   e.form_parameters = e.parameters;
   e.lack_of_fit = scale;
@@ -53,6 +53,27 @@ TEST(Verdict, CallsALawByItsPlainLimitWhereNothingBeyondItIsSeen) {
   EXPECT_EQ(alike.best, 2);
   general.held_out = -95;
   EXPECT_EQ(judge({model({}, -500, 3), general, model({"linear_drag"}, -100)}, 0.002, 0.5).best, 1) << "what is seen beyond it decides";
+}
+
+TEST(Verdict, DoesNotCountAParameterTwiceThatHardlyMatters) {
+  Evidence force = model({"uniform_force"}, -102.5);  // its third component is uncertain, which costs likelihood
+  force.parameters = force.form_parameters = 3;
+  force.held_out_as_fitted = -100.2;
+  Evidence tilt = model({"gravity_tilt"}, -100);
+  tilt.parameters = tilt.form_parameters = 2;
+  const Evidence nominal = model({}, -500, 3);
+  const Verdict alike = judge({nominal, tilt, force}, 0.002, 0.5);
+  EXPECT_EQ(alike.word, "ambiguous");
+  EXPECT_EQ(alike.best, 1);
+  EXPECT_GT(probability(alike, {"uniform_force"}), 0.2);
+  force.held_out_as_fitted = -102.5;
+  EXPECT_EQ(judge({nominal, tilt, force}, 0.002, 0.5).word, "missing") << "as fitted it fits worse";
+  force.held_out_as_fitted = -100.2;
+  force.train_gain = -5;
+  EXPECT_EQ(judge({nominal, tilt, force}, 0.002, 0.5).word, "missing") << "on the fitted runs it fits worse";
+  force.train_gain = 0;
+  force.general = 1;
+  EXPECT_EQ(judge({nominal, tilt, force}, 0.002, 0.5).word, "missing") << "a law whose limit would do";
 }
 
 TEST(Verdict, IsNoneWithoutALackOfFitWhateverFitsBetter) {
