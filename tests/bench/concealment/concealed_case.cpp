@@ -261,6 +261,9 @@ class Draft {
       effects.push_back({{"effect", effects_[i]}, {"parameter", changes_[i].parameter}, {"value", changes_[i].value}, {"null", changes_[i].null},
                          {"phase", phases_[i]}});
     if (!outside_.empty()) effects.push_back({{"effect", outside_}});
+    std::vector<Override> constants = e_.constants;
+    for (const Override& o : scene_changes()) constants.push_back(o);
+    made.world = {e_, with(e_.scene, constants), true_sets_, recorder(), conditions_, sensor};
     made.truth = {{"level", level_}, {"family", e_.family}, {"backend", conditions_.backend}, {"step_factor", conditions_.step_factor}, {"effects", effects}, {"where", where},
                   {"sensor", name_of(sensor.kind)}, {"signal", seen}, {"calibrated", calibrated_}};
     return made;

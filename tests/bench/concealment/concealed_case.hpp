@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/bundle/bundle.hpp"
+#include "tests/bench/concealment/true_world.hpp"
 
 namespace repose::concealment {
 
@@ -18,8 +19,19 @@ namespace repose::concealment {
 /// unknown   a force that no effect of the library is: a gust, a field in a strip, a spring
 const std::vector<std::string>& levels();
 
+/// What recorded the bundle.
+struct TrueWorld {
+  Experiment experiment;
+  std::string scene;                         ///< YAML, with its true constants and effects
+  std::vector<std::vector<Override>> sets;   ///< of each run: how it really began
+  Recorder recorder;
+  Conditions conditions;
+  TrueSensor sensor;
+};
+
 struct ConcealedCase {
   Bundle bundle;
+  TrueWorld world;
   nlohmann::json truth;  ///< level, family, backend, effects [{effect, parameter, value, null, phase}], where {run: [[from, to]]},
                          ///< sensor, signal (rms against the nominal, in sigma)
 };

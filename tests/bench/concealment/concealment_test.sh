@@ -33,6 +33,7 @@ refused "no verdict yet" "$bin/concealment_score" cases
 "$bin/concealment_diagnose" cases --jobs 1 | grep -q "2 of 2" || fail "verdicts are not kept"
 "$bin/concealment_score" cases >page.md
 "$bin/concealment_diagnose" cases --oracle
+"$bin/concealment_diagnose" cases --suggested
 "$bin/concealment_score" cases --page page.md
 grep -q "^| case-002 |" page.md || fail "a case is not scored"
 

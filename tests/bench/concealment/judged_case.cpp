@@ -99,7 +99,7 @@ void judge_oracle(const json& verdict, const json& oracle, JudgedCase& c) {
 
 }  // namespace
 
-JudgedCase judge(const std::string& id, const json& truth, const json& verdict, const json& oracle) {
+JudgedCase judge(const std::string& id, const json& truth, const json& verdict, const json& oracle, const json& suggested) {
   JudgedCase c;
   c.id = id;
   c.level = truth.at("level");
@@ -134,6 +134,7 @@ JudgedCase judge(const std::string& id, const json& truth, const json& verdict, 
   c.heldout_nominal = heldout(verdict, "nominal", "chi2_per_dof");
   c.heldout_extended = heldout(verdict, "extended", "chi2_per_dof");
   if (!c.truth.empty() && c.level != "unknown") judge_oracle(verdict, oracle, c);
+  if (!suggested.is_null()) c.separated = answer_of(suggested) == c.truth && suggested.at("verdict") != "ambiguous";
   judge_place(truth, verdict, c);
   judge_coefficient(truth, verdict, c);
   return c;

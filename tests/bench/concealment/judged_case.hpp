@@ -20,6 +20,7 @@ struct JudgedCase {
   bool within_set = false;           ///< every true name is in the answer or in a class with it
   bool ambiguous = false;
   std::optional<bool> confounded;    ///< a rival of the same size fits held-out runs as well as the truth, within 2 nats
+  std::optional<bool> separated;     ///< with the recording that an ambiguous verdict asked for the truth is named, alone
   std::optional<bool> phase_right;   ///< of the first location
   std::optional<double> overlap;     ///< intersection over union of the first location with the true times in its run
   std::optional<double> coefficient_error;  ///< |estimate - truth| / |truth - null| if the name is right
@@ -31,7 +32,8 @@ struct JudgedCase {
   std::string regression;            ///< what sparse regression says; empty: nothing
 };
 
-/// `verdict`, `oracle`: as concealment_diagnose wrote them ("observables" of the file). `oracle` may be null.
-JudgedCase judge(const std::string& id, const nlohmann::json& truth, const nlohmann::json& verdict, const nlohmann::json& oracle);
+/// `verdict`, `oracle`, `suggested`: as concealment_diagnose wrote them ("observables" of the file). The latter two may be null.
+JudgedCase judge(const std::string& id, const nlohmann::json& truth, const nlohmann::json& verdict, const nlohmann::json& oracle,
+                 const nlohmann::json& suggested);
 
 }  // namespace repose::concealment

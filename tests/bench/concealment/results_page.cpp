@@ -89,6 +89,8 @@ std::string measures_table(const Cases& cases) {
   const auto confounded = [&](const JudgedCase& c) { return known(c) && c.confounded.value_or(false); };
   const auto separable = [&](const JudgedCase& c) { return known(c) && !c.confounded.value_or(true); };
   t += row("confounded pairs admitted", "≥ 0.95", share_of(cases, confounded, [](const JudgedCase& c) { return c.ambiguous; }));
+  t += row("– the recording that they ask for separates them", "≥ 0.80",
+           share_of(cases, [&](const JudgedCase& c) { return confounded(c) && c.separated.has_value(); }, [](const JudgedCase& c) { return *c.separated; }));
   t += row("separable pairs called confounded", "≤ 0.05", share_of(cases, separable, [](const JudgedCase& c) { return c.ambiguous; }));
   const auto judged = [](const JudgedCase& c) { return !of_library(c) || c.detectable; };
   t += row("Brier score, summed over the hypotheses", "stated", bootstrapped(values(cases, judged, [](const JudgedCase& c) { return std::optional(c.brier); }), mean));
@@ -165,8 +167,8 @@ std::string results_page(const Cases& cases, const std::vector<std::string>& tol
   page += fmt::format("{} cases, {:.0f} s of wall time in all. Intervals: Clopper & Pearson for shares, bootstrap for the rest. Detectable: the model that is told "
                       "the truth gains at least ln 100 nats on held-out runs.\n\n", cases.size(), wall);
   page += "## Measures\n\n" + measures_table(cases);
-  page += "\nConfounded: a rival of as many effects reaches the truth's held-out log likelihood within 2 nats. Whether a suggested recording separates what it "
-          "should is not simulated here.\n";
+  page += "\nConfounded: a rival of as many effects reaches the truth's held-out log likelihood within 2 nats. The recording that an ambiguous verdict asks for "
+          "is made in the true world, all runs once more, and diagnosed with what there was: it separates if the truth is then named alone.\n";
   page += "\n## Reliability\n\nAll but what the oracle calls not detectable.\n\n" + reliability_table(cases);
   page += "\n## Baselines\n\n" + baselines_table(cases);
   page += "\n## Answers by truth\n\n" + confusion_table(cases);

@@ -31,7 +31,8 @@ void score(const std::vector<std::string>& folders, const std::string& page, boo
     for (const std::string& id : case_ids(manifest)) {
       const json verdict = observables(verdict_file(folder, id));
       if (verdict.is_null()) continue;
-      cases.push_back(judge(id, truth.at(id), verdict, observables(folder / "oracle" / "jobs" / (id + ".json"))));
+      cases.push_back(judge(id, truth.at(id), verdict, observables(folder / "oracle" / "jobs" / (id + ".json")),
+                            observables(folder / "suggested" / "jobs" / (id + ".json"))));
       cases.back().regression = sparse_regression(read_bundle(folder / "cases" / id));
       by = verdict.value("commit", "unknown");
       ++scored;
