@@ -11,6 +11,7 @@
 #include "core/scene_yaml.hpp"
 #include "scenarios/bed.hpp"
 #include "scenarios/installation.hpp"
+#include "scenarios/layer_half_step.hpp"
 #include "scenarios/layer_json.hpp"
 #include "scenarios/layer_measurement.hpp"
 #include "scenarios/layer_report.hpp"
@@ -111,7 +112,7 @@ void clear(const std::filesystem::path& folder) {
   std::filesystem::remove_all(folder / "checkpoints", ignored);
 }
 
-int spread(const Options& options, const std::filesystem::path& beds) {
+int spread(const Options& options, const std::filesystem::path& beds, bool half_step) {
   const Scene scene = load_scene(scene_file(options), options.overrides);
   demand_layer(scene, "");
   const LayerSetup& setup = *scene.layer;
@@ -149,15 +150,26 @@ int spread(const Options& options, const std::filesystem::path& beds) {
     repose::tell({*jam});
   }
   write_vdb(options.out / "surface.vdb", {{"before", layer.before.grid}, {"after", layer.after.grid}});
-  const std::string picture = draw_surfaces(layer);
+  const std::string picture = draw_surfaces(layer), thickness = draw_thickness(layer, setup.square);
   write_atomically(options.out / "surface.png", picture);
-  write_atomically(options.out / "report.html",
-                   report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture, draw_thickness(layer, setup.square)})));
-  nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("layer", prepared, options, report));  // last: its peak memory is that of all
-  result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
-  write_result(options.out / "result.json", result.dump(2));
+  const auto write = [&](const std::optional<HalfStep>& half) {
+    write_atomically(options.out / "report.html", report::to_html(layer_report({prepared, options, report, recording, layer, path, *bed, picture, thickness, half})));
+    nlohmann::ordered_json result = nlohmann::ordered_json::parse(common_result("layer", prepared, options, report));  // last: its peak memory is that of all
+    result.update(nlohmann::ordered_json(layer_json(layer, setup, path, *bed)));
+    if (half) result["half_step"] = half_step_json(*half);
+    write_result(options.out / "result.json", result.dump(2));
+  };
+  write({});
   tell(layer, scene, path, *bed, report, options);
   warn(layer);
+  if (!half_step) return status;
+  const std::optional<HalfStep> half = spread_with_half_step(spreading, layer, options.quiet);
+  if (!half) {
+    fmt::print(stderr, "interrupted before half the step was through; all else is written, and the same command with --resume tries that again\n");
+    return exit_status::interrupted;
+  }
+  write(half);
+  fmt::print("half the step    {}\n", half_step_in_words(*half));
   return status;
 }
 
@@ -174,7 +186,11 @@ int main(int argc, char** argv) {
   info.file = "SCENE.yaml";
   info.presets = {"quick", "desk", "study"};
   std::string beds = "out/beds";
+  bool half_step = false;
   return run_command(
-      argc, argv, info, [&](const Options& options) { return spread(options, beds); },
-      [&](CLI::App& app) { app.add_option("--beds", beds, "folder of settled beds (default out/beds)")->type_name("DIR"); });
+      argc, argv, info, [&](const Options& options) { return spread(options, beds, half_step); },
+      [&](CLI::App& app) {
+        app.add_option("--beds", beds, "folder of settled beds (default out/beds)")->type_name("DIR");
+        app.add_flag("--half-step", half_step, "spread once more with half the step: are roughness, packing and force converged in it?");
+      });
 }

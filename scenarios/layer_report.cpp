@@ -333,8 +333,8 @@ Table bed_table(const LayerReportInput& in) {
     t.notes = {"The spreader gives way upward where the powder pushes harder than its load: forces above the load accelerate its mass."};
   else
     t.notes = {"Rigid grains under a rigid spreader of prescribed path can jam: single peaks of the force then depend on the time step; means are "
-               "told, from steps that tell the force only. Whether they are converged in the time step shows a second run with half of it. A spreader "
-               "that yields (`yield` of its tool) has no such peaks."};
+               "told, from steps that tell the force only. Whether they are converged in the time step shows a second run with half of it (`--half-step`). A "
+               "spreader that yields (`yield` of its tool) has no such peaks."};
   return t;
 }
 
@@ -403,6 +403,7 @@ report::Report layer_report(const LayerReportInput& in) {
   bed.blocks.push_back(segregation_chart("Size along the travel", "x", mm, "mm", m.before.segregation.by_x, m.after.segregation.by_x));
   add_shape_charts(m.before.segregation, m.after.segregation, bed.blocks);
   page.sections.push_back(std::move(bed));
+  if (in.half_step) page.sections.push_back({"Convergence in the step", {half_step_table(*in.half_step)}});
   if (!in.recording.steps.empty()) {
     Section loads{"Spreader and solver", {load_chart(in, false), load_chart(in, true)}};
     if (spreader_of(in.prepared.scene).yield) loads.blocks.push_back(rise_chart(in));

@@ -2,7 +2,7 @@
 /// The report of `repose layer`.
 #include "analysis/report/report.hpp"
 #include "scenarios/bed.hpp"
-#include "scenarios/layer_measurement.hpp"
+#include "scenarios/layer_half_step.hpp"
 #include "scenarios/simulate.hpp"
 #include "scenarios/spreader.hpp"
 
@@ -17,6 +17,7 @@ struct LayerReportInput {
   const SpreaderPath& path;
   const Bed& bed;
   const std::string &surface_png, &thickness_png;
+  const std::optional<HalfStep>& half_step;
 };
 
 report::Report layer_report(const LayerReportInput& in);

@@ -6,19 +6,15 @@
 #include "scenarios/interrupt.hpp"
 
 namespace repose {
-namespace {
 
-/// Runs what was prepared without frames; nullopt if it was interrupted.
-std::optional<RunReport> simulated(const Prepared& p, RunHooks hooks, const std::string& tracked = "") {
-  const std::unique_ptr<World> world = p.backend->make(p.model, p.scene.solver);
+std::optional<RunReport> simulate_in_memory(const Prepared& p, const SolverOptions& solver, RunHooks hooks, const std::string& tracked) {
+  const std::unique_ptr<World> world = p.backend->make(p.model, solver);
   hooks.interrupted = interrupted;
-  const Schedule schedule{p.scene.solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, false, tracked};
+  const Schedule schedule{solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, false, tracked};
   RunReport report = run(*world, p.model, schedule, nullptr, hooks);
   if (report.end == RunReport::End::interrupted) return std::nullopt;
   return report;
 }
-
-}  // namespace
 
 LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& options) {
   Prepared prepared = prepare_bed(scene, options);
@@ -37,7 +33,7 @@ LayerRuns::BedInMemory LayerRuns::bed_of(const Scene& scene, const Options& opti
   try {
     RunHooks hooks;
     hooks.finished = [&](const Snapshot& state, const StepReport&) { return bed_rests(prepared.model, state, scene.layer->plate); };
-    const std::optional<RunReport> report = simulated(prepared, hooks);
+    const std::optional<RunReport> report = simulate_in_memory(prepared, prepared.scene.solver, hooks);
     BedInMemory bed;
     if (report) {
       const bool rests = bed_rests(prepared.model, report->final_state, scene.layer->plate);
@@ -66,7 +62,7 @@ std::optional<SpreadLayer> LayerRuns::run(const Scene& scene, std::uint64_t seed
   const Prepared& p = layer.spreading.prepared;
   RunHooks hooks;
   hooks.logged = [&](const StepRecord& step) { layer.steps.push_back(step); };
-  std::optional<RunReport> report = simulated(p, hooks, scene.layer->spreader);
+  std::optional<RunReport> report = simulate_in_memory(p, p.scene.solver, hooks, scene.layer->spreader);
   if (!report) return std::nullopt;
   layer.report = *std::move(report);
   const SpreaderPath& path = layer.spreading.path;

@@ -35,6 +35,9 @@ struct SpreadLayer {
 /// Throws Error (Kind::simulation) that says what did not converge.
 void demand_converged(const SpreadLayer& layer);
 
+/// Runs what was prepared, solved with these options, without frames on disk; nullopt if it was interrupted. `tracked`: see Schedule.
+std::optional<RunReport> simulate_in_memory(const Prepared& prepared, const SolverOptions& solver, RunHooks hooks, const std::string& tracked = "");
+
 class LayerRuns {
  public:
   enum class Beds {

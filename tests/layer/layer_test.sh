@@ -67,6 +67,14 @@ for resume in '' --resume; do
   for file in result.json report.html surface.png surface.vdb; do [ ! -e "$work/stale/$file" ] || fail "$file of an earlier run stays${resume:+ with $resume}"; done
 done
 
+# Half the step, beside all that there was.
+expect 0 "$bed" --out "$work/half" --quiet --threads 1 --half-step
+says 'half the step'
+cmp -s "$work/one/run.h5" "$work/half/run.h5" || fail '--half-step changes run.h5'
+whole=$(in_json "$work/half/result.json" half_step/figures/Sa/value 0) half=$(in_json "$work/half/result.json" half_step/figures/Sa/half_step 0)
+awk -v a="$whole" -v b="$half" 'BEGIN { exit !(a > 0 && b > 0 && a != b && b < 2 * a && a < 2 * b) }' || fail "Sa is $whole with the step and $half with half of it"
+grep -q 'Convergence in the step' "$work/half/report.html" || fail 'the report does not show half the step'
+
 # It is used again, and gives the same bytes.
 expect 0 "$bed" --out "$work/two" --quiet --threads 2
 says 'reused'
