@@ -38,9 +38,7 @@ Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, 
   return {c.normal.dot(d), t1.dot(d), t2.dot(d), t1.dot(w), t2.dot(w), c.normal.dot(w)};
 }
 
-bool may_bounce(const ImpactData& contact, double free) {
-  return contact.restitution > 0 && contact.before < 0 && -contact.before > 2 * std::abs(free - contact.before);
-}
+bool is_impact(const ImpactData& contact, double free) { return contact.before < 0 && -contact.before > 2 * std::abs(free - contact.before); }
 
 SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData> data, double step, double tolerance,
                                const ConeSolver& solver, std::span<Impulse> impulse, std::vector<Vec3>& velocity,
@@ -54,7 +52,7 @@ SolveReport solve_with_impacts(ConeProblem& problem, std::span<const ImpactData>
     if (c.compliance == 0) c.bias = std::max(d.gap, 0.0) / step;
     if (!(d.restitution > 0) || !(d.before < 0)) return;
     const double free = relative_velocity(c, problem.velocity, problem.angular_velocity)[0];
-    bounce[i].may = may_bounce(d, free);
+    bounce[i].may = is_impact(d, free);
     if (bounce[i].may) any_may.store(true, std::memory_order_relaxed);
     if (bounce[i].may && d.gap + step * free <= 0) {
       bounce[i].active = true;

@@ -27,8 +27,8 @@ struct ImpactData {
   double before = 0;       ///< u_n at the start of the step
 };
 
-/// Rule 1, of a contact with restitution. `free`: its u_free.
-bool may_bounce(const ImpactData& contact, double free);
+/// Rule 1, whatever the restitution. `free`: its u_free.
+bool is_impact(const ImpactData& contact, double free);
 
 /// Relative velocity rows of contact `c` for the given velocities.
 Impulse relative_velocity(const ConeContact& c, std::span<const Vec3> velocity, std::span<const Vec3> angular_velocity);

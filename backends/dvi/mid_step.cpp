@@ -42,7 +42,7 @@ class MidStep {
       problem_.velocity[i] += linear[i] = before_.linear[i];
       problem_.angular_velocity[i] += angular[i] = before_.angular[i];
     }
-    for (std::size_t i = 0; i < problem_.contacts.size(); ++i) impact_[i].gap -= step_ * relative_velocity(problem_.contacts[i], linear, angular)[0];
+    for (std::size_t i = 0; i < problem_.contacts.size(); ++i) impact_[i].gap = std::max(impact_[i].gap, 0.0) - step_ * relative_velocity(problem_.contacts[i], linear, angular)[0];
     problem_.slip_law.speed *= 2;
   }
 
@@ -90,7 +90,7 @@ class MidStep {
                                 std::abs(u[5]) <= slides_on * (std::abs(free[5] - u[5]) + response_share * c.spinning * pressed);
       // A blow has so short a step that it moves nothing; with the velocity before it added it would not be told from a contact that lies.
       const bool smoothly =
-          step_ * std::abs(u[0]) <= smooth * c.arm && !may_bounce(impact_[i], free[0]) && c.cohesion == 0 && c.compliance == 0;
+          step_ * std::abs(u[0]) <= smooth * c.arm && !is_impact(impact_[i], free[0]) && c.cohesion == 0 && c.compliance == 0;
       const bool on = slides == Slide::on || rolls == Slide::on;
       for (const std::int32_t body : {c.a, c.b}) {
         gains[index(body)] |= on;

@@ -4,10 +4,10 @@
 /// The contact problem takes friction along the slip u+ after the step, which is of first order where the slip turns, as that of a block that
 /// crosses an incline. Bodies whose contacts all slide (or roll) on through the step are therefore solved as if the velocities before the step, v-, were
 /// added to the free ones: the rows of a contact are then u- + u+, twice the mean slip, and v+ is what comes out less v-. Normal rows keep
-/// their condition: the gap is made smaller by h u_n-.
+/// their condition: the gap, 0 where they overlap, is made smaller by h u_n-.
 ///
-/// Left as they are: bodies that a contact stops, throws or begins to move in this step (the mean slip would send them back), those of a contact
-/// that may bounce (impact.hpp), and those that touch one.
+/// Left as they are: bodies that a contact stops, throws or begins to move in this step (the mean slip would send them back), those of an
+/// impact (rule 1 of impact.hpp), and those that touch one.
 /// Nothing changes in a step in which nothing slides or rolls against friction.
 #include <functional>
 #include <span>

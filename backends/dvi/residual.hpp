@@ -5,7 +5,8 @@
 ///   residual = sqrt( sum l_i |r_i|^2 ) / sqrt( sum l_i |g_i|^2 )
 ///
 /// (l |g|^2 is an energy, so contacts of light and heavy bodies count alike). Zero exactly at a solution. The correction is
-/// that of the exact law, or nothing for the relaxed one. The denominator is kept above the rounding error of the velocities.
+/// that of the exact law, or nothing for the relaxed one. The denominator is kept above the rounding error of the velocities
+/// and of the slips, and a numerator below it is none: contacts that slide without pressure leave nothing else.
 #include "backends/dvi/packed_problem.hpp"
 #include "core/world.hpp"
 

@@ -30,6 +30,7 @@ constexpr double touching = 1e-6;            // of R*
 constexpr std::size_t worth_a_thread = 500;  // bodies: below, waking threads costs more than it saves
 constexpr double blow_share = 1e-3;          // of the scene's step: what a blow takes in second order
 constexpr int most_cuts = 50;                // steps one after another that end at a touch; a ball that comes to rest has no last one
+constexpr double no_blow = 1e-9;             // of R*: an approach by less in a step is rounding
 constexpr double smooth_jump = 1e-4;         // of R*: a jump of velocity that moves a contact by less is none
 
 Mat3 rotated(const Mat3& rotation, const Vec3& diagonal) { return rotation * diagonal.asDiagonal() * rotation.transpose(); }
@@ -54,13 +55,14 @@ class WorldDvi final : public World {
         &finder_.find(placement(free_velocity_, free_angular_), h, options_.search_margin, options_.threads);
     const double asked = dt;
     if (second_order()) {
-      if (const double end = end_at_touch(*all, h); end < h) {
+      const double end = end_at_touch(*all, h);
+      if (end < h) {
         h = end;
         dt = h * units_.time;
         place_prescribed(dt);
         free_velocities(h, loads);
-        all = &met_;
       }
+      if (!cuts_used_up_) all = &met_;
     }
     const std::vector<FoundContact>& found = *all;
     StepReport report = report_of(found, solve_contacts(found, h));
@@ -186,8 +188,8 @@ class WorldDvi final : public World {
   double slop() const { return second_order() ? slop_of_second_order : penetration_slop; }
   bool second_order() const { return options_.integration == Integration::second_order; }
 
-  /// Where a step of `h` has to end. Blows that fall within a short step of their own are all met in it; otherwise the first
-  /// one ends the step, and `met_` are the contacts without it and those of the same moment.
+  /// Where a step of `h` has to end. Blows that fall within a short step of their own are all met in it; otherwise the first one ends the step, and no
+  /// blow is met in it: what comes later, be it just after the end, must not be taken at the beginning. `met_` are the contacts of what is left of the step.
   double end_at_touch(const std::vector<FoundContact>& found, double h) {
     const double scene_step = options_.time_step / units_.time, blow_step = blow_share * scene_step;
     touch_.clear();
@@ -196,7 +198,7 @@ class WorldDvi final : public World {
     for (const FoundContact& contact : found) {
       const Approach approach = approach_of(contact, h);
       Touch touch = touch_of(approach);
-      if (!is_blow(approach, touch, scene_step)) touch = {};
+      if (!is_blow(approach, touch, scene_step) || touch.speed * scene_step <= no_blow * arm_of(contact)) touch = {};
       touch_.push_back(touch.time);
       if (touch.time <= blow_step)
         now = now || !laws_.compliant();  // a spring takes the time it takes
@@ -204,13 +206,20 @@ class WorldDvi final : public World {
         end = std::min(end, touch.time);
     }
     if (now) end = blow_step;
-    if (!(end < h * (1 - 1e-9)) || ++cuts_ > most_cuts) {
+    const bool cut = end < h * (1 - 1e-9);
+    cuts_used_up_ = cut && ++cuts_ > most_cuts;
+    if (!cut || cuts_used_up_) {
       cuts_ = 0;
-      return h;
+      end = h;
     }
     met_.clear();
-    for (std::size_t i = 0; i < found.size(); ++i)
-      if (now || touch_[i] <= blow_step || touch_[i] > end * (1 + 1e-9)) met_.push_back(found[i]);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const bool blow = std::isfinite(touch_[i]), at_once = touch_[i] <= blow_step;
+      if (blow && !at_once && !now) continue;
+      met_.push_back(found[i]);
+      // What is left of the gap would be closed by a part of the speed, and the rest of it be a second blow, at another slip.
+      if (now && at_once) met_.back().point.gap = std::min(met_.back().point.gap, 0.0);
+    }
     return end;
   }
 
@@ -463,6 +472,7 @@ class WorldDvi final : public World {
   std::vector<FoundContact> met_;     // those of a step that ends at a touch
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
+  bool cuts_used_up_ = false;         // in this step: all contacts are met in what is left of it
   std::vector<Vec3> resting_;         // zeros
   std::vector<char> moved_;           // by body, by the last correction of this step; empty: there was none
   std::vector<double> gap_;

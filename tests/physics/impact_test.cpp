@@ -243,5 +243,30 @@ TEST_P(Impact, ContactsNeverDoPositiveWork) {
   }
 }
 
+/// A ball that met a wall without rebound slides down it, spinning, and nothing presses it on: what is left of the contact problem is rounding, and the
+/// solver must not take it for an error and fall back on a law that throws sliding contacts apart.
+TEST(ImpactOfDvi, NothingPushesWhatSlidesWithoutPressure) {
+  for (const Integration integration : {Integration::symplectic_euler, Integration::second_order}) {
+    double worst = 0, converged = 1;
+    for (int k = 0; k < 100; ++k) {
+      SolverOptions options = usual(1e-3);
+      options.integration = integration;
+      Simulation s("dvi",
+                   ModelBuilder()
+                       .material("m")
+                       .law("m", "m", {.friction = 0.6})
+                       .floor("m", -Vec3::UnitX(), {0.1, 0, 0})
+                       .sphere("m", 0.02, {.position = {0.05 - 1e-5 * k, 0, 0}, .velocity = {1, 0.13, 0.07}, .angular_velocity = {30, 100, 20}})
+                       .build(),
+                   options);
+      s.run(100, [&](const Simulation& now) { converged = now.report().converged ? converged : 0; });
+      worst = std::max(worst, std::abs(s.velocity(1).x()));
+    }
+    const std::string name = integration == Integration::second_order ? "second order" : "symplectic Euler";
+    expect_answer({name + ", spinning ball that slides down a wall, worst of 100, speed away from it [m/s]", 0, worst, 1e-6, NAN, 1});
+    EXPECT_EQ(converged, 1) << name;
+  }
+}
+
 }  // namespace
 }  // namespace repose::test
