@@ -91,6 +91,8 @@ class Diagnosing {
         result_.notes.push_back(fmt::format("Run {} is compared up to {:.3g} s of {:.3g} s: beyond it the noise of its start no longer acts linearly.",
                                             data.run->id, data.run->from + data.horizon, data.run->from + end));
     }
+    if (const double factor = problem_.numerics().step_factor; factor > 1)
+      result_.notes.push_back(fmt::format("Simulated in second order at {:.0f} times the scene's step, which moves the readings of no run by a fiftieth of their noise.", factor));
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
@@ -19,6 +20,8 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double largest_numerics = 3;  // of the noise: a coarser step is for the candidate `time_step` to tell
+constexpr double unnoticed_numerics = 0.02;
+constexpr double steps_of_a_sample = 10;  // at least: what is faster than samples are taken cannot be told, but solved it must be
 constexpr double periods_seen = 2;       // in the longest recording, of what is called periodic: beside a constant force one and a half are any push that passes
 
 Values starts(const std::vector<Parameter>& parameters) {
@@ -180,12 +183,29 @@ void Problem::choose_numerics() {
     runs_[run].horizon = 0;
     follow(run, starts(start), twice.asDiagonal());
   }
+  coarsen_step();
+}
+
+void Problem::coarsen_step() {
+  double between = std::numeric_limits<double>::infinity();
+  for (const RunData& data : runs_)
+    for (const Channel& c : data.channels)
+      for (std::size_t k = 1; k < c.time.size(); ++k) between = std::min(between, c.time[k] - c.time[k - 1]);
+  for (const double factor : {8.0, 4.0, 2.0}) {
+    if (!numerics_.second_order || bundle_.scene.solver.time_step * factor > between / steps_of_a_sample) continue;
+    Numerics coarse = numerics_;
+    coarse.step_factor = factor;
+    const std::map<std::string, double> moved = parting(coarse, numerics_, 1);
+    if (moved.empty() || std::any_of(moved.begin(), moved.end(), [](const auto& m) { return !(m.second < unnoticed_numerics); })) continue;
+    numerics_ = coarse;
+    return;
+  }
 }
 
 void Problem::add_numerics() {
   for (const auto& [name, model] : noise_) sensor_noise_[name] = model.sd;
   Numerics fine = numerics_;
-  fine.step_factor = 0.5;
+  fine.step_factor = 0.5 * numerics_.step_factor;
   const std::map<std::string, double> ours = parting(numerics_, fine);
   if (numerics_.second_order) scene_error_ = parting({}, numerics_);
   for (const auto& [name, error] : ours) {
@@ -200,7 +220,7 @@ void Problem::add_numerics() {
       if (const auto noise = noise_.find(c.observable); noise != noise_.end() && noise->second.sd > 0) c.noise = noise->second.sd;
 }
 
-std::map<std::string, double> Problem::parting(const Numerics& one, const Numerics& other) const {
+std::map<std::string, double> Problem::parting(const Numerics& one, const Numerics& other, double share) const {
   std::map<std::string, std::vector<double>> errors;
   Layout first = layout({}), second = first;
   first.numerics = one;
@@ -220,13 +240,13 @@ std::map<std::string, double> Problem::parting(const Numerics& one, const Numeri
     for (const auto& [name, s] : squares)
       if (s.second > 0) errors[name].push_back(std::sqrt(s.first / s.second));
   }
-  std::map<std::string, double> medians;
+  std::map<std::string, double> quantiles;
   for (auto& [name, list] : errors) {
-    const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
-    std::nth_element(list.begin(), middle, list.end());
-    medians[name] = *middle;
+    const auto at = list.begin() + std::min(static_cast<std::ptrdiff_t>(share * static_cast<double>(list.size())), static_cast<std::ptrdiff_t>(list.size()) - 1);
+    std::nth_element(list.begin(), at, list.end());
+    quantiles[name] = *at;
   }
-  return medians;
+  return quantiles;
 }
 
 Eigen::VectorXd Problem::beyond_start_values(const Layout& layout, std::size_t run, const Values& shared, Eigen::VectorXd of) const {

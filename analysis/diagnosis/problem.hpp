@@ -40,7 +40,7 @@ using Values = Eigen::VectorXd;
 
 /// How the scene is solved under a hypothesis, beside the scene's own settings.
 struct Numerics {
-  double step_factor = 1;       ///< of the time step
+  double step_factor = 1;       ///< of the time step; above 1 only where that does not show in the readings
   double tolerance_factor = 1;
   bool other_law = false;       ///< the relaxed contact law where the scene has the exact one, and the other way round
   bool second_order = false;    ///< Integration::second_order, whatever the scene says
@@ -89,7 +89,9 @@ class Problem {
   const std::map<std::string, NoiseModel>& noise() const { return noise_; }
   /// The same before what the step may be wrong by was added, in squares.
   const std::map<std::string, double>& sensor_noise() const { return sensor_noise_; }
-  /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given.
+  /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given. A scene that is stepped much more finely than it
+  /// was recorded is stepped more coarsely (to an eighth, at most a tenth of the time between samples), as long as no run's readings move by a fiftieth of
+  /// their noise.
   const Numerics& numerics() const { return numerics_; }
   /// What the scene's own way to solve it is wrong by, beyond what start values imitate: by observable, in units of noise(), rms of
   /// the run in the middle. Empty where second order is not to be had.
@@ -103,11 +105,12 @@ class Problem {
   double linear_until(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) const;
   YamlNode solved_by(YamlNode tree, const Layout& layout) const;
   void choose_numerics();
+  void coarsen_step();
   /// Adds to the noise (in squares) what the step may be wrong by: it must not pass for physics.
   void add_numerics();
   /// How far the simulations of two ways to solve part, without what start values imitate: by observable, rms in units of the
-  /// noise, the median of all runs. Empty if one of them fails.
-  std::map<std::string, double> parting(const Numerics& one, const Numerics& other) const;
+  /// noise, the quantile `share` of all runs. Empty if one of them fails.
+  std::map<std::string, double> parting(const Numerics& one, const Numerics& other, double share = 0.5) const;
   /// `of` without what changes of the start values do to first order.
   Eigen::VectorXd beyond_start_values(const Layout& layout, std::size_t run, const Values& shared, Eigen::VectorXd of) const;
 

@@ -285,6 +285,25 @@ TEST(Problem, SolvesToSecondOrderAndAllowsForTheStepOfWhoeverMadeTheRecordings) 
   EXPECT_NEAR(problem.scene_error().at("position"), error / std::hypot(1, 0.25 * error), 1e-5);
 }
 
+TEST(Problem, StepsMoreCoarselyThanTheSceneWhereThatDoesNotShow) {
+  Bundle bundle = flights({});
+  std::string finely = ball_scene();
+  finely.replace(finely.find("1.0e-2"), 6, "2.0e-4");
+  const auto factor = [&](const std::string& scene, const Simulate& engine) {
+    bundle.scene = parse_scene(scene, "nominal");
+    return Problem(bundle, all(bundle), engine).numerics().step_factor;
+  };
+  const Simulate late = [](const SimulationRequest& request) {  // an error in proportion to the step in second order, too
+    History history = fly(request);
+    for (std::size_t i = 0; i < history.time.size(); ++i)
+      history.bodies["ball"].position[i].x() += 20 * request.scene->solver.time_step * std::max(0.0, history.time[i] - 0.3);
+    return history;
+  };
+  EXPECT_EQ(factor(finely, fly), 8);
+  EXPECT_EQ(factor(finely, late), 1);
+  EXPECT_EQ(factor(ball_scene(), fly), 1) << "as coarse as it may be";
+}
+
 TEST(Problem, StaysWithTheScenesOwnWayWhereTheBackendHasNoOther) {
   const Bundle bundle = flights({});
   const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) -> History {
