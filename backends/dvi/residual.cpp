@@ -61,10 +61,10 @@ double residual(const PackedProblem<Real>& packed, ContactLaw law, int threads) 
     motion += part[3 * j + 2];
   }
   if (error == 0) return 0;
+  constexpr double rounding = 4 * static_cast<double>(std::numeric_limits<Real>::epsilon());
   // Contacts that slide without pressure leave the rounding of their slip, and next to nothing to compare it with.
-  const double rounding = 4 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * std::max(packed.kinetic_scale, std::sqrt(motion));
-  if (std::sqrt(error) <= rounding) return 0;
-  return std::sqrt(error) / std::max(std::sqrt(size), std::max(rounding, std::numeric_limits<double>::min()));
+  if (std::sqrt(error) <= rounding * std::sqrt(motion)) return 0;
+  return std::sqrt(error) / std::max(std::sqrt(size), std::max(rounding * packed.kinetic_scale, std::numeric_limits<double>::min()));
 }
 
 template double residual(const PackedProblem<double>&, ContactLaw, int);

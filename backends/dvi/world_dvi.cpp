@@ -188,8 +188,8 @@ class WorldDvi final : public World {
   double slop() const { return second_order() ? slop_of_second_order : penetration_slop; }
   bool second_order() const { return options_.integration == Integration::second_order; }
 
-  /// Where a step of `h` has to end. Blows that fall within a short step of their own are all met in it; otherwise the first one ends the step, and no
-  /// blow is met in it: what comes later, be it just after the end, must not be taken at the beginning. `met_` are the contacts of what is left of the step.
+  /// Where a step of `h` has to end. Blows that fall within a short step of their own are all met in it; otherwise the first one ends the step, and none is
+  /// met in it: not one that comes just after the end and that rule 2 of impact.hpp would take at the beginning. `met_` are the contacts of this part.
   double end_at_touch(const std::vector<FoundContact>& found, double h) {
     const double scene_step = options_.time_step / units_.time, blow_step = blow_share * scene_step;
     touch_.clear();
@@ -214,8 +214,11 @@ class WorldDvi final : public World {
     }
     met_.clear();
     for (std::size_t i = 0; i < found.size(); ++i) {
-      const bool blow = std::isfinite(touch_[i]), at_once = touch_[i] <= blow_step;
-      if (blow && !at_once && !now) continue;
+      const bool at_once = touch_[i] <= blow_step;
+      if (!at_once && !now && std::isfinite(touch_[i])) {
+        const Approach approach = approach_of(found[i], h);
+        if (approach.gap + end * (approach.speed + end * approach.acceleration) <= 0) continue;
+      }
       met_.push_back(found[i]);
       // What is left of the gap would be closed by a part of the speed, and the rest of it be a second blow, at another slip.
       if (now && at_once) met_.back().point.gap = std::min(met_.back().point.gap, 0.0);
@@ -469,7 +472,7 @@ class WorldDvi final : public World {
   std::vector<Vec3> velocity_after_, angular_after_;
   VelocitiesBefore before_;           // by slot, in second order
   std::vector<double> touch_;         // by found contact: time of a blow, in second order
-  std::vector<FoundContact> met_;     // those of a step that ends at a touch
+  std::vector<FoundContact> met_;     // those of a step or part of one, in second order
   std::vector<char> smooth_;          // by body
   int cuts_ = 0;                      // one after another; 0 again wherever a state can be saved
   bool cuts_used_up_ = false;         // in this step: all contacts are met in what is left of it

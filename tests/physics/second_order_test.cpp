@@ -117,6 +117,24 @@ TEST(SecondOrder, ABlowWithoutRestitutionTakesAllOfTheSpeed) {
   expect_answer({"second order, ball against a wall with e = 0, worst of 50 moments, speed away from it [m/s]", 0, worst, 1e-4, NAN, 1});
 }
 
+/// What holds a ball back over a distance does so although it will fall on the floor again, and although it falls on it now: z + v t - 3 g t^2 / 2 under twice
+/// its weight beside it.
+TEST(SecondOrder, CohesionReachesOverAGap) {
+  const double radius = 0.02, weight = 1000 * 4.0 / 3 * M_PI * std::pow(radius, 3) * g, h = 1e-4, t = 0.03;
+  for (const auto& [gap, speed] : {std::pair(1e-3, 0.5), std::pair(8e-3, 0.3)}) {
+    Simulation s("dvi",
+                 ModelBuilder()
+                     .material("m")
+                     .law("m", "m", {.cohesion = 2 * weight, .cohesion_range = 0.012})
+                     .floor("m")
+                     .sphere("m", radius, {.position = {0, 0, radius + gap}, .velocity = {0, 0, speed}})
+                     .build(),
+                 second_order(h));
+    s.run(static_cast<int>(std::lround(t / h)));
+    expect_answer({"second order, ball held back by cohesion over a gap, height [m]", gap + speed * t - 1.5 * g * t * t, s.position(1).z() - radius, 5e-5, NAN, 1});
+  }
+}
+
 TEST(SecondOrder, ABallThatNoLongerBouncesComesToRest) {
   const double radius = 0.05;
   const Model model = ModelBuilder()
