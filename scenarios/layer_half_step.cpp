@@ -38,11 +38,9 @@ std::string with_error(double value, const std::optional<double>& se, double uni
 
 }  // namespace
 
-std::optional<double> StepFigure::apart() const {
-  if (!se || !half_se) return {};
-  const double error = std::hypot(*se, *half_se);
-  if (error == 0) return value == half ? std::optional(0.0) : std::nullopt;
-  return std::abs(value - half) / error;
+std::optional<double> StepFigure::error() const {
+  const double error = se && half_se ? std::hypot(*se, *half_se) : 0;
+  return error > 0 && std::isfinite(value - half) ? std::optional(error) : std::nullopt;
 }
 
 std::optional<HalfStep> spread_with_half_step(const Spreading& spreading, const LayerMeasurement& whole, bool quiet) {
@@ -65,33 +63,40 @@ json half_step_json(const HalfStep& half) {
   const auto known = [](const std::optional<double>& v) { return v ? json(*v) : json(nullptr); };
   json figures = json::object();
   for (const StepFigure& f : half.figures)
-    figures[f.key] = {{"value", f.value}, {"se", known(f.se)}, {"half_step", f.half}, {"half_step_se", known(f.half_se)}, {"standard_errors_apart", known(f.apart())}};
+    figures[f.key] = {{"value", f.value}, {"se", known(f.se)}, {"half_step", f.half}, {"half_step_se", known(f.half_se)}, {"error_of_difference", known(f.error())}};
   return {{"time_step", half.time_step}, {"wall_s", half.wall_s}, {"converged_fraction", half.converged_fraction}, {"figures", figures}};
 }
 
 report::Table half_step_table(const HalfStep& half) {
   report::Table t;
   t.title = "With half the step";
-  t.header = {"figure", "with the step", "with half of it", "unit", "standard errors apart"};
+  t.header = {"figure", "with the step", "with half of it", "unit", "standard errors apart", "difference that would show"};
   for (const StepFigure& f : half.figures) {
-    const std::optional<double> apart = f.apart();
-    t.rows.push_back({f.name, with_error(f.value, f.se, f.to_unit), with_error(f.half, f.half_se, f.to_unit), f.unit, apart ? fmt::format("{:.1f}", *apart) : "not known"});
+    const std::optional<double> error = f.error();
+    t.rows.push_back({f.name, with_error(f.value, f.se, f.to_unit), with_error(f.half, f.half_se, f.to_unit), f.unit,
+                      error ? fmt::format("{:.1f}", std::abs(f.value - f.half) / *error) : "not known",
+                      error ? fmt::format("{:.2g}", apart_at_most * *error * f.to_unit) : "not known"});
   }
   t.notes = {half_step_in_words(half)};
   return t;
 }
 
 std::string half_step_in_words(const HalfStep& half) {
-  std::vector<std::string> apart, unknown;
+  std::vector<std::string> apart, alike, unknown;
   for (const StepFigure& f : half.figures) {
-    if (!f.apart())
+    const std::optional<double> error = f.error();
+    if (!error)
       unknown.push_back(f.name);
-    else if (*f.apart() > apart_at_most)
+    else if (std::abs(f.value - f.half) > apart_at_most * *error)
       apart.push_back(f.name);
+    else
+      alike.push_back(fmt::format("{} ({:.2g} {})", f.name, apart_at_most * *error * f.to_unit, f.unit));
   }
-  std::string words = apart.empty() ? fmt::format("All whose errors are known agree within {} standard errors", apart_at_most)
-                                    : fmt::format("Not converged in the step: {}", fmt::join(apart, ", "));
-  if (!unknown.empty()) words += fmt::format("; of {} no error is known, the run is too short", fmt::join(unknown, ", "));
+  std::string words;
+  const auto say = [&](const std::string& what) { words += (words.empty() ? "" : "; ") + what; };
+  if (!apart.empty()) say(fmt::format("not converged in the step: {}", fmt::join(apart, ", ")));
+  if (!alike.empty()) say(fmt::format("no difference is seen, and one beyond what stands in brackets would have been, of {}", fmt::join(alike, ", ")));
+  if (!unknown.empty()) say(fmt::format("nothing can be said of {}, whose error is not known: the run is short, or the region small", fmt::join(unknown, ", ")));
   return words + fmt::format(". Half the step is {:.3g} s; {:.1f} % of its steps converged.", half.time_step, 100 * half.converged_fraction);
 }
 

@@ -18,9 +18,9 @@ struct StepFigure {
   double to_unit = 1;  ///< SI to `unit`
   double value = 0, half = 0;
   std::optional<double> se, half_se;
-  /// |value - half| over its standard error, as of two independent beds: the bed is the same, which makes it too kind to the step, but grains part
-  /// within a few diameters of travel. Nullopt where an error is not known.
-  std::optional<double> apart() const;
+  /// Of value - half, as of two independent beds: the bed is the same, which makes it too large, but grains part within a few diameters of travel. Nullopt
+  /// where one is not known or not above 0.
+  std::optional<double> error() const;
 };
 
 struct HalfStep {
@@ -29,7 +29,7 @@ struct HalfStep {
   std::vector<StepFigure> figures;  ///< Sa, thickness, packing after; force along the travel and upward, torque, where steps tell them
 };
 
-/// Two standard errors: what is farther apart is not converged in the step.
+/// Standard errors: what is farther apart is not converged in the step; what is not may still differ by less.
 inline constexpr double apart_at_most = 2;
 
 /// Nullopt if it was interrupted. Needs the memory of a second world.
@@ -37,7 +37,7 @@ std::optional<HalfStep> spread_with_half_step(const Spreading& spreading, const 
 
 nlohmann::json half_step_json(const HalfStep& half);
 report::Table half_step_table(const HalfStep& half);
-/// "Sa, packing and force agree within two standard errors", or what does not.
+/// What is not converged, or that nothing is seen to differ and how large a difference would have been.
 std::string half_step_in_words(const HalfStep& half);
 
 }  // namespace repose

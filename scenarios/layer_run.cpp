@@ -10,7 +10,7 @@ namespace repose {
 std::optional<RunReport> simulate_in_memory(const Prepared& p, const SolverOptions& solver, RunHooks hooks, const std::string& tracked) {
   const std::unique_ptr<World> world = p.backend->make(p.model, solver);
   hooks.interrupted = interrupted;
-  const Schedule schedule{solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, false, tracked};
+  const Schedule schedule{solver.time_step, p.scene.duration, p.scene.frame_interval, 1e9, solver.integration == Integration::second_order, tracked};
   RunReport report = run(*world, p.model, schedule, nullptr, hooks);
   if (report.end == RunReport::End::interrupted) return std::nullopt;
   return report;
