@@ -76,6 +76,9 @@ bool wanted(Mode mode, const std::filesystem::path& folder, const std::string& i
 std::filesystem::path follow_suggestion(const std::filesystem::path& folder, const std::string& id, const json& truth, const json& verdict) {
   const std::uint64_t seed = truth.at("seed");
   const ConcealedCase made = make_case(truth.at("level"), seed);
+  json as_made = made.truth;
+  as_made["seed"] = seed;
+  if (as_made != truth) throw Error(id, "these programs make another case of its seed than it was", "generate the benchmark anew", Error::Kind::simulation);
   const std::string what = verdict.at("suggested_recordings").front().at("what");
   const std::optional<diagnosis::Change> change = change_in_words(read_bundle(folder / "cases" / id), what);
   if (!change) throw Error(id, "suggests what cannot be recorded: " + what, "", Error::Kind::simulation);
