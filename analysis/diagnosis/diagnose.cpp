@@ -13,9 +13,10 @@
 #include "analysis/diagnosis/explained.hpp"
 #include "analysis/diagnosis/held_out.hpp"
 #include "analysis/diagnosis/horizon.hpp"
+#include "analysis/diagnosis/maker_step.hpp"
 #include "analysis/diagnosis/quarter_turn.hpp"
 #include "analysis/diagnosis/split.hpp"
-#include "analysis/diagnosis/understated_noise.hpp"
+#include "analysis/diagnosis/stated_noise.hpp"
 #include "core/error.hpp"
 
 namespace repose::diagnosis {
@@ -23,6 +24,7 @@ namespace {
 
 constexpr int shown_runs = 6;  // in the report
 constexpr double told_error = 0.3;  // of the noise
+constexpr double told_step = 0.05;  // of the noise
 constexpr double beyond_chance = 6;  // standard deviations: of a thousand probes of noise one in a million recordings has one that reaches it
 constexpr double nothing_seen = 0.05;  // p
 
@@ -32,7 +34,7 @@ class Diagnosing {
       : options_(options),
         simulate_(simulate),
         split_(split_runs(bundle, options.max_train_runs, options.max_held_out_runs, options.seed, result_.notes)),
-        problem_(bundle, all_runs(), simulate, options.store) {
+        problem_(bundle, all_runs(), simulate, options.store, options.coarser_step) {
     for (std::size_t i = 0; i < problem_.runs().size(); ++i) {
       (i < split_.train.size() ? train_ : held_).push_back(i);
       result_.run_ids.push_back(problem_.runs()[i].run->id);
@@ -45,6 +47,14 @@ class Diagnosing {
     fit_options_.interrupted = options.interrupted;
     follow_further(problem_, fit_options_);
     note_horizons(bundle);
+  }
+
+  /// To be asked after run(): was the step too coarse for what was found?
+  bool step_shows(const Diagnosis& found) const {
+    for (const FittedHypothesis* model : {&found.models.front(), &found.models[found.best]})
+      for (const Fit* fit : {&model->fit, &model->held_fit})
+        if (moved_by_coarser_step(problem_, *fit) > told_step) return true;
+    return false;
   }
 
   /// To be asked before run().
@@ -92,7 +102,7 @@ class Diagnosing {
                                             data.run->id, data.run->from + data.horizon, data.run->from + end));
     }
     if (const double factor = problem_.numerics().step_factor; factor > 1)
-      result_.notes.push_back(fmt::format("Simulated in second order at {:.0f} times the scene's step, which moves the readings of no run by a fiftieth of their noise.", factor));
+      result_.notes.push_back(fmt::format("Simulated in second order at {:.0f} times the scene's step, which moves the readings of no run by more than a twentieth of their noise (rms).", factor));
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
   }
 
@@ -222,23 +232,6 @@ class Diagnosing {
     }
   }
 
-  /// A noise that is stated in millimetres as if in metres hides everything.
-  void find_overstated_noise(const Fit& fit) {
-    constexpr double suspicious = 0.1;
-    std::map<std::string, std::pair<double, double>> squares;  // sum, count
-    for (const std::size_t run : fit.runs) {
-      const Eigen::VectorXd plain = problem_.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
-      for (const Channel& c : problem_.runs()[run].channels) {
-        if (plain.size() == 0) continue;
-        squares[c.observable].first += plain.segment(c.first, static_cast<Eigen::Index>(c.time.size())).squaredNorm();
-        squares[c.observable].second += static_cast<double>(c.time.size());
-      }
-    }
-    for (const auto& [name, square] : squares)
-      if (const double rms = std::sqrt(square.first / std::max(1.0, square.second)); rms < suspicious && problem_.bundle().noise.contains(name))
-        result_.overstated[name] = rms;
-  }
-
   /// Runs that a model cannot even simulate count as off by the most.
   void note_failures() {
     std::vector<std::size_t> asked{0};
@@ -281,22 +274,17 @@ class Diagnosing {
     return std::min(fitted, share_explained(plain.held_fit, m.held_fit));
   }
 
-  /// Recordings that another simulation made, with a quarter of the scene's step, may differ from ours by a quarter of the scene's
-  /// error: a mismatch of that size, in a direction that other numerics take too, has no name, however significant.
   bool within_a_step(const Fit& leading) {
-    const Fit& nominal = result_.models.front().fit;
-    double scene_error = 0;
-    for (const auto& [observable, error] : problem_.scene_error()) scene_error = std::max(scene_error, error);
-    const double size = std::sqrt(std::max(0.0, nominal.chi2 - leading.chi2) / static_cast<double>(nominal.samples));
-    if (result_.lack_of_fit_p > level || size > step_of_makers * scene_error) return false;
-    const auto imitates = [&](const FittedHypothesis& m) {
-      return !m.hypothesis.terms.empty() && without_numerics(m.hypothesis).terms.empty() && gain_towards(nominal, m.fit) >= 0.5 * (nominal.chi2 - leading.chi2);
-    };
-    if (std::none_of(result_.models.begin(), result_.models.end(), imitates)) return false;
-    result_.notes.push_back(fmt::format("What stands out amounts to {:.2g} of the noise: a quarter of the scene's step errs by {:.2g}, so recordings of another "
-                                        "simulation may differ by that, and it is not called physics. If these are no simulation's, write "
-                                        "`integration: second_order` under `solver`.", size, step_of_makers * scene_error));
-    return true;
+    if (result_.lack_of_fit_p > level) return false;
+    std::vector<const Fit*> numerics;
+    for (const FittedHypothesis& m : result_.models)
+      if (!m.hypothesis.terms.empty() && without_numerics(m.hypothesis).terms.empty()) numerics.push_back(&m.fit);
+    const StepMismatch mismatch = step_mismatch(problem_, result_.models.front().fit, leading, numerics, fit_options_);
+    if (mismatch.may_be_one)
+      result_.notes.push_back(fmt::format("What stands out amounts to {:.2g} of the noise: a quarter of the scene's step errs by {:.2g}, so recordings of another "
+                                          "simulation may differ by that, and it is not called physics. If these are no simulation's, write "
+                                          "`integration: second_order` under `solver`.", mismatch.size, mismatch.allowed));
+    return mismatch.may_be_one;
   }
 
   void finish(Search& search) {
@@ -335,7 +323,7 @@ class Diagnosing {
     nominal.parameters = estimates(problem_, nominal.fit, nominal.scale, result_.best == 0 && !interrupted(), options_.seed, fit_options_);
     if (result_.best != 0) best.parameters = estimates(problem_, best.fit, best.scale, !interrupted() && best.fit.layout.numerics.backend.empty(), options_.seed, fit_options_);
     note_failures();
-    find_overstated_noise(best.fit);
+    result_.overstated = overstated_noise(problem_, best.fit);
     note_combinations(best);
     note_quarter_turn(best);
     note_numerics(search.base(), best.fit.layout.numerics);
@@ -484,12 +472,20 @@ class Diagnosing {
 }  // namespace
 
 Diagnosis diagnose(const Bundle& bundle, const Simulate& simulate, const DiagnoseOptions& options) {
+  const auto diagnosed = [&](Diagnosing& diagnosing, const Bundle& of) {
+    Diagnosis found = diagnosing.run();
+    if (found.interrupted || !diagnosing.step_shows(found)) return found;
+    DiagnoseOptions finely = options;
+    finely.coarser_step = false;
+    return Diagnosing(of, simulate, finely).run();
+  };
   Diagnosing as_stated(bundle, simulate, options);
   const std::map<std::string, double> understated = as_stated.understated();
-  if (understated.empty()) return as_stated.run();
+  if (understated.empty()) return diagnosed(as_stated, bundle);
   Bundle as_it_scatters = bundle;
   for (const auto& [name, scatter] : understated) as_it_scatters.noise[name] = scatter;
-  Diagnosis result = Diagnosing(as_it_scatters, simulate, options).run();
+  Diagnosing again(as_it_scatters, simulate, options);
+  Diagnosis result = diagnosed(again, as_it_scatters);
   result.stated_noise = bundle.noise;
   result.understated = understated;
   return result;

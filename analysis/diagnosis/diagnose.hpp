@@ -31,6 +31,7 @@ struct DiagnoseOptions {
   int joint_fits = 6;       ///< candidates of the screening that are fitted jointly
   std::vector<std::string> candidates;  ///< names of effects; empty: the whole library
   std::vector<std::string> other_backends;  ///< that may have made the recordings: known to `simulate` by these names
+  bool coarser_step = true;  ///< may a scene that is stepped far more finely than it was recorded be stepped more coarsely (Problem::numerics)?
   SimulationStore* store = nullptr;  ///< none: every simulation is run anew
   std::function<void(const std::string& stage, double done, double total)> progress;
   std::function<bool()> interrupted;
@@ -83,7 +84,7 @@ struct Diagnosis {
   std::map<std::string, NoiseModel> noise;
   std::map<std::string, double> sensor_noise, stated_noise;  ///< sd of the same before what the simulation's step may err by was added; as the bundle states it
   std::map<std::string, double> overstated;  ///< observables that differ from the best model by less than a tenth of the noise which the bundle states: the share
-  std::map<std::string, double> understated; ///< observables whose samples scatter by more than the bundle states, and by how much [SI]: the noise that was used (understated_noise.hpp)
+  std::map<std::string, double> understated; ///< observables whose samples scatter by more than the bundle states, and by how much [SI]: the noise that was used (stated_noise.hpp)
   std::vector<std::string> notes;         ///< subsets, splits, horizons: what was done and what was left out
   double scene_error = 0;   ///< rms, in units of the noise, of the nominal if it were stepped as the scene says; 0 where that is little, or the verdict
   std::size_t simulations = 0;

@@ -431,4 +431,18 @@ Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double s
   return scale * covariance.diagonal().cwiseMax(0).cwiseSqrt();
 }
 
+double moved_by_coarser_step(const Problem& problem, const Fit& fit) {
+  if (fit.layout.numerics.step_factor <= 1) return 0;
+  Fit finely = fit;
+  finely.layout.numerics.step_factor = 1;
+  finely = evaluated(problem, std::move(finely));
+  double largest = 0;
+  for (std::size_t i = 0; i < fit.residual.size(); ++i) {
+    const Eigen::Index n = fit.residual[i].size();
+    if (n == 0 || finely.residual[i].size() != n) continue;
+    largest = std::max(largest, (fit.residual[i] - finely.residual[i]).norm() / std::sqrt(static_cast<double>(n)));
+  }
+  return largest;
+}
+
 }  // namespace repose::diagnosis

@@ -77,4 +77,8 @@ Eigen::VectorXd standard_errors(const Problem& problem, const Fit& fit, double s
 /// Residuals of a run at the fit.
 Eigen::VectorXd residual_of(const Problem& problem, const Fit& fit, std::size_t run);
 
+/// How far the readings of a fit's runs part from those at the scene's own step (Problem::numerics): the largest rms of a run [sigma]; 0 where that is the
+/// fit's step or a coarser one is not used.
+double moved_by_coarser_step(const Problem& problem, const Fit& fit);
+
 }  // namespace repose::diagnosis

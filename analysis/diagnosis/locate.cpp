@@ -137,7 +137,7 @@ Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisan
     }
   }
   if (entries.empty()) return {};
-  const NullDistribution null = null_of(probes, nuisance.size(), replicas, seed);
+  const NullDistribution null = null_of(probes, nuisance.residual(), replicas, seed);
   for (Located& e : entries) e.p = null.p(e.deviate);
   Places places;
   for (const Window& w : disjoint(std::move(windows))) {

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::uint64_t stream = 77;
 constexpr Eigen::Index together = 64;  // draws that are projected at once
+constexpr Eigen::Index enough = 30;    // samples, to tell how noise is distributed
+constexpr double understated = 1.1, outlier = 8;  // of the noise; what is larger is no outlier of a sensor
 
 /// From the products Q^T r of all probes, one under the other.
 double largest_deviate(const std::vector<Probe>& probes, const Eigen::VectorXd& products) {
@@ -26,6 +28,13 @@ double largest_deviate(const std::vector<Probe>& probes, const Eigen::VectorXd& 
     at += k;
   }
   return largest;
+}
+
+/// What draws are taken from; empty: normal numbers.
+Eigen::VectorXd noise_like(const Eigen::VectorXd& residual) {
+  const double rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, residual.size())));
+  if (residual.size() < enough || !(rms > 0) || !std::isfinite(rms)) return {};
+  return (residual / rms).cwiseMax(-outlier).cwiseMin(outlier) * std::clamp(rms, 1.0, understated);
 }
 
 }  // namespace
@@ -51,7 +60,9 @@ double NullDistribution::p(double deviate) const {
   return (1 + reached) / (1 + static_cast<double>(largest.size()));
 }
 
-NullDistribution null_of(const std::vector<Probe>& probes, Eigen::Index size, int replicas, std::uint64_t seed) {
+NullDistribution null_of(const std::vector<Probe>& probes, const Eigen::VectorXd& residual, int replicas, std::uint64_t seed) {
+  const Eigen::Index size = residual.size();
+  const Eigen::VectorXd values = noise_like(residual);
   Eigen::Index columns = 0;
   for (const Probe& probe : probes) columns += probe.basis.cols();
   Eigen::MatrixXd all(size, columns);
@@ -64,7 +75,9 @@ NullDistribution null_of(const std::vector<Probe>& probes, Eigen::Index size, in
   Random random(seed, stream);
   for (Eigen::Index done = 0; done < replicas; done += together) {
     Eigen::MatrixXd noise(size, std::min<Eigen::Index>(together, replicas - done));
-    for (double& e : noise.reshaped()) e = normal(random);
+    for (double& e : noise.reshaped())
+      e = values.size() == 0 ? normal(random)
+                             : (random.uniform() < 0.5 ? 1 : -1) * values[static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(values.size())))];
     const Eigen::MatrixXd products = all.transpose() * noise;
     for (Eigen::Index b = 0; b < products.cols(); ++b) null.largest.push_back(largest_deviate(probes, products.col(b)));
   }

@@ -24,12 +24,14 @@ double deviate(double gain, Eigen::Index k);
 /// Share of pure noise of so many degrees of freedom that reaches chi^2.
 double p_of_chi2(double chi2, Eigen::Index degrees);
 
-/// Largest deviates of draws of pure noise e ~ N(0, I) over a set of probes.
+/// Largest deviates of draws of pure noise over a set of probes.
 struct NullDistribution {
   std::vector<double> largest;  ///< ascending
   /// Share of the draws that reach it, corrected for the number of draws: never below 1 / (draws + 1).
   double p(double deviate) const;
 };
-NullDistribution null_of(const std::vector<Probe>& probes, Eigen::Index size, int replicas, std::uint64_t seed);
+/// Noise as `residual` has it: its values in another order and with any sign, brought to an rms of 1 (or as much above as noise may be stated too small, a
+/// tenth), for sensors have outliers that no normal distribution has, and a few of them look like a force. Of fewer than 30 samples normal numbers.
+NullDistribution null_of(const std::vector<Probe>& probes, const Eigen::VectorXd& residual, int replicas, std::uint64_t seed);
 
 }  // namespace repose::diagnosis

@@ -51,7 +51,7 @@ std::uint64_t fingerprint(const RunData& data) {
 
 }  // namespace
 
-Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate, SimulationStore* store)
+Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate, SimulationStore* store, bool coarser_step)
     : bundle_(bundle),
       simulate_(std::move(simulate)),
       scale_(natural_scale(realise(bundle.scene, 1))),
@@ -60,7 +60,7 @@ Problem::Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Sim
   const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
   for (const std::string& key : bundle.calibrate) calibrated_.push_back(calibrated_constant(key, tree, scale_));
   for (const std::size_t index : runs) add_run(index);
-  choose_numerics();
+  choose_numerics(coarser_step);
   add_numerics();
   for (std::size_t run = 0; run < runs_.size(); ++run) runs_[run].hits = hits(run);
 }
@@ -173,7 +173,7 @@ double Problem::linear_until(std::size_t run, const Values& own, const Eigen::Ma
   return horizon;
 }
 
-void Problem::choose_numerics() {
+void Problem::choose_numerics(bool coarser_step) {
   numerics_.second_order = true;
   if (parting(numerics_, numerics_).empty()) numerics_ = {};
   for (std::size_t run = 0; run < runs_.size(); ++run) {
@@ -183,10 +183,22 @@ void Problem::choose_numerics() {
     runs_[run].horizon = 0;
     follow(run, starts(start), twice.asDiagonal());
   }
-  coarsen_step();
+  if (coarser_step) coarsen_step();
+}
+
+/// Every run, from its first start values.
+bool Problem::simulated_by(const Numerics& numerics) const {
+  Layout so = layout({});
+  so.numerics = numerics;
+  for (std::size_t run = 0; run < runs_.size(); ++run)
+    if (plain_residual(so, run, starts(so.shared), starts(runs_[run].start)).size() == 0) return false;
+  return true;
 }
 
 void Problem::coarsen_step() {
+  const auto sets_step = [](const Override& set) { return set.path.starts_with("solver."); };
+  for (const RunData& data : runs_)
+    if (std::any_of(data.run->set.begin(), data.run->set.end(), sets_step)) return;
   double between = std::numeric_limits<double>::infinity();
   for (const RunData& data : runs_)
     for (const Channel& c : data.channels)
@@ -196,7 +208,7 @@ void Problem::coarsen_step() {
     Numerics coarse = numerics_;
     coarse.step_factor = factor;
     const std::map<std::string, double> moved = parting(coarse, numerics_, 1);
-    if (moved.empty() || std::any_of(moved.begin(), moved.end(), [](const auto& m) { return !(m.second < unnoticed_numerics); })) continue;
+    if (moved.empty() || !simulated_by(coarse) || std::any_of(moved.begin(), moved.end(), [](const auto& m) { return !(m.second < unnoticed_numerics); })) continue;
     numerics_ = coarse;
     return;
   }
@@ -329,7 +341,9 @@ YamlNode Problem::extended_scene(const Layout& layout, const Values& shared) con
   YamlNode tree = parse_yaml(bundle_.scene.text, "scene");
   put_terms(tree, layout.hypothesis, scale_);
   put_values(tree, layout.shared, shared);
-  return solved_by(std::move(tree), layout);
+  Layout as_stated = layout;  // a coarser step is for the fits; whoever runs the scene gets his own
+  if (layout.numerics.step_factor == numerics_.step_factor) as_stated.numerics.step_factor = std::min(1.0, numerics_.step_factor);
+  return solved_by(std::move(tree), as_stated);
 }
 
 History Problem::history(const Layout& layout, std::size_t run, const Values& shared, const Values& own) const {

@@ -58,8 +58,8 @@ struct Layout {
 class Problem {
  public:
   /// `runs`: indices into the bundle's runs that are used. Estimates noise where it is not given, start values where they
-  /// are free, and how far each run can be followed. `bundle` and `store` (none: one of its own) must outlive the problem.
-  Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate, SimulationStore* store = nullptr);
+  /// are free, and how far each run can be followed. `bundle` and `store` (none: one of its own) must outlive the problem. `coarser_step`: see numerics().
+  Problem(const Bundle& bundle, const std::vector<std::size_t>& runs, Simulate simulate, SimulationStore* store = nullptr, bool coarser_step = true);
 
   const std::vector<RunData>& runs() const { return runs_; }
   const Bundle& bundle() const { return bundle_; }
@@ -89,9 +89,9 @@ class Problem {
   const std::map<std::string, NoiseModel>& noise() const { return noise_; }
   /// The same before what the step may be wrong by was added, in squares.
   const std::map<std::string, double>& sensor_noise() const { return sensor_noise_; }
-  /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given. A scene that is stepped much more finely than it
-  /// was recorded is stepped more coarsely (to an eighth, at most a tenth of the time between samples), as long as no run's readings move by a fiftieth of
-  /// their noise.
+  /// How hypotheses are solved: in second order where the backend can, otherwise as the scene is given. A scene that is stepped far more finely than it was
+  /// recorded is stepped more coarsely (up to eight times its step, at most a tenth of the time between samples), as long as the nominal's readings move in no
+  /// run by a fiftieth of their noise, rms, beyond what start values imitate. Whoever fits it asks again (moved_by_coarser_step).
   const Numerics& numerics() const { return numerics_; }
   /// What the scene's own way to solve it is wrong by, beyond what start values imitate: by observable, in units of noise(), rms of
   /// the run in the middle. Empty where second order is not to be had.
@@ -104,8 +104,9 @@ class Problem {
   void set_up_channels(RunData& data) const;
   double linear_until(std::size_t run, const Values& own, const Eigen::MatrixXd& spread) const;
   YamlNode solved_by(YamlNode tree, const Layout& layout) const;
-  void choose_numerics();
+  void choose_numerics(bool coarser_step);
   void coarsen_step();
+  bool simulated_by(const Numerics& numerics) const;
   /// Adds to the noise (in squares) what the step may be wrong by: it must not pass for physics.
   void add_numerics();
   /// How far the simulations of two ways to solve part, without what start values imitate: by observable, rms in units of the

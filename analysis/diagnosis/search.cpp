@@ -120,7 +120,7 @@ LackOfFit Search::lack_in(const Fit& fit) {
   if (!probes.empty()) {  // what does nothing to these recordings tests nothing
     lack.deviate = -std::numeric_limits<double>::infinity();
     for (const Screened& s : lack.screened) lack.deviate = std::max(lack.deviate, s.deviate);
-    lack.p_effects = null_of(probes, nuisance.size(), options_.replicas, options_.seed).p(lack.deviate);
+    lack.p_effects = null_of(probes, nuisance.residual(), options_.replicas, options_.seed).p(lack.deviate);
   }
   tell("locating the mismatch", 0, 1);
   try {

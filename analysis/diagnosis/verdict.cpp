@@ -49,7 +49,8 @@ void count_parameters_once(const std::vector<Evidence>& evidence, std::size_t be
     const int more = rival.parameters - leader.parameters;
     if (i == best || more != 1 || effects_of(rival) != effects_of(leader) || rival.general > leader.general || rival.stated > leader.stated) continue;
     const double apart = std::max(leader.held_out_as_fitted - rival.held_out_as_fitted, 0.5 * (leader.train_gain - rival.train_gain));
-    if (apart <= alike_within * temper) score[i] = std::max(score[i], score[best] - cost_of_parameter * more);
+    const double charged = std::max(0.0, rival.held_out_as_fitted - rival.held_out) / temper;
+    if (apart <= alike_within * temper) score[i] += std::clamp(score[best] - cost_of_parameter * more - score[i], 0.0, charged);
   }
 }
 
@@ -112,7 +113,6 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
     verdict.best = static_cast<int>(best);
     temper = temper_of(evidence[best]);
   }
-  count_parameters_once(evidence, static_cast<std::size_t>(verdict.best), temper, score);
   count_runs_not_samples(evidence, static_cast<std::size_t>(verdict.best), score);
   // Without a lack of fit nothing is missing: at best the prior odds of the level are against it.
   if (fits) verdict.best = 0;
@@ -122,6 +122,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
     unknown = named == 0;
     if (!unknown) verdict.best = static_cast<int>(named);
   }
+  if (!unknown) count_parameters_once(evidence, static_cast<std::size_t>(verdict.best), temper, score);
   const double explained = evidence[static_cast<std::size_t>(verdict.best)].explained;
 
   const double top = *std::max_element(score.begin(), score.end());

@@ -7,6 +7,7 @@
 
 #include "analysis/diagnosis/diagnose.hpp"
 #include "analysis/diagnosis/explained.hpp"
+#include "analysis/diagnosis/maker_step.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
 #include "tests/unit/flight_bundle.hpp"
@@ -58,6 +59,31 @@ TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
     EXPECT_EQ(parse_scene(d.extended_scene, "extended").solver.integration, Integration::symplectic_euler);
     EXPECT_TRUE(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.find("bear the step") != std::string::npos; })) << factor;
   }
+}
+
+TEST(Alarm, OnlyWhatLooksLikeAStepIsTakenForOne) {
+  const double rate = 12;
+  Bundle stepped = flights(six());  // by a maker of first order at a tenth of the step, where a quarter is tried
+  Random random(1, 4);
+  for (BundleRun& run : stepped.runs) {
+    Scene made = parse_scene(ball_scene(), "made", run.set);
+    made.solver.time_step *= 0.1;
+    record_anew(run, fly_late_by(rate), made, six(), random);
+  }
+  Flights f = six();
+  f.loads = {{"ball", 0, 10, {0, 6e-5, 0}, Vec3::Zero()}};  // as small, and another way
+  const auto mismatch = [&](const Bundle& bundle) {
+    const Problem problem(bundle, {0, 1, 2}, fly_late_by(rate));
+    const auto fitted = [&](const Hypothesis& h) { return minimise(problem, start_of(problem, problem.layout(h), {0, 1, 2}), {}); };
+    return step_mismatch(problem, fitted({}), fitted({{{find_effect("uniform_force"), ""}}}), {}, {});
+  };
+  const StepMismatch step = mismatch(stepped), force = mismatch(flights(f));
+  EXPECT_GT(step.size, 0.2);
+  EXPECT_LE(step.size, step.allowed);
+  EXPECT_TRUE(step.may_be_one);
+  EXPECT_GT(force.size, 0.2);
+  EXPECT_LE(force.size, force.allowed);
+  EXPECT_FALSE(force.may_be_one);
 }
 
 TEST(Alarm, WhatIsRightButTooStrongGainsOnTheWayThere) {

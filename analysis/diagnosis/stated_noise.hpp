@@ -1,5 +1,5 @@
 #pragma once
-/// Noise that the bundle states too small.
+/// Noise that the bundle states too small, or far too large.
 #include <map>
 #include <string>
 #include <vector>
@@ -13,5 +13,9 @@ namespace repose::diagnosis {
 /// noise, whatever was stated; taken at its word, the bundle would have something missing that no physics explains. Samples that are too far
 /// apart to follow the motion scatter by it: then the scene leaves less or more, and what was stated holds.
 std::map<std::string, double> understated_noise(const Problem& problem, const std::vector<std::size_t>& runs, const FitOptions& options);
+
+/// Observables of stated noise that the fit misses by less than a tenth of it, rms, and that share: a noise in millimetres that is stated as if in metres hides
+/// everything.
+std::map<std::string, double> overstated_noise(const Problem& problem, const Fit& fit);
 
 }  // namespace repose::diagnosis

@@ -1,4 +1,8 @@
-#include "analysis/diagnosis/understated_noise.hpp"
+#include "analysis/diagnosis/stated_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "analysis/diagnosis/recorded_noise.hpp"
 #include "analysis/diagnosis/score.hpp"
@@ -7,6 +11,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double suspicious = 1.5, no_more = 1.2, no_less = 0.8;
+constexpr double hides = 0.1;  // of the stated noise
 
 }  // namespace
 
@@ -24,6 +29,22 @@ std::map<std::string, double> understated_noise(const Problem& problem, const st
     return rms == left.end() || rms->second > no_more * item.second || rms->second < no_less * item.second;
   });
   return found;
+}
+
+std::map<std::string, double> overstated_noise(const Problem& problem, const Fit& fit) {
+  std::map<std::string, std::pair<double, double>> squares;  // sum, count
+  for (const std::size_t run : fit.runs) {
+    const Eigen::VectorXd plain = problem.plain_residual(fit.layout, run, fit.shared, fit.own[run]);
+    for (const Channel& c : problem.runs()[run].channels) {
+      if (plain.size() == 0) continue;
+      squares[c.observable].first += plain.segment(c.first, static_cast<Eigen::Index>(c.time.size())).squaredNorm();
+      squares[c.observable].second += static_cast<double>(c.time.size());
+    }
+  }
+  std::map<std::string, double> overstated;
+  for (const auto& [name, square] : squares)
+    if (const double rms = std::sqrt(square.first / std::max(1.0, square.second)); rms < hides && problem.bundle().noise.contains(name)) overstated[name] = rms;
+  return overstated;
 }
 
 }  // namespace repose::diagnosis
