@@ -328,7 +328,7 @@ Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::si
       Fit one = fit;
       one.runs = {run};
       for (std::size_t k = 0; k < start.size(); ++k)
-        one.own[run][static_cast<Eigen::Index>(k)] = as_told && std::isfinite(start[k].told) ? start[k].told : start[k].start;
+        one.own[run][static_cast<Eigen::Index>(k)] = as_told && std::isfinite(start[k].told) ? start[k].told : start[k].begin();
       if (one = grown(problem, one, options); one.chi2 < least) {
         least = one.chi2;
         better.own[run] = one.own[run];

@@ -1,5 +1,6 @@
 #pragma once
 /// A claim about what is missing: effects of the library, each at its place, and the parameters that a fit may turn.
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -49,9 +50,13 @@ struct Parameter {
   double start = 0;
   double null = 0;      ///< where it does nothing
   double step = 1e-6;   ///< for finite differences
+  double read = std::numeric_limits<double>::quiet_NaN();  ///< a start value as read off the data; `start` may have moved to where the nominal fit led
   double told = std::numeric_limits<double>::quiet_NaN();  ///< a start value as the scene has it
   double prior_sd = 0;  ///< of a weak prior about `start`, for what a run does not determine; 0: none
   bool logarithmic = false;
+
+  /// A start value as the data have it; where a fit of anything else begins.
+  double begin() const { return std::isfinite(read) ? read : start; }
 };
 
 /// Parameters of the terms: those shared by all runs, and (time_offset, sensor_bias of a series) one per run. Held ones and values

@@ -157,7 +157,7 @@ class Screening {
   Values own_of(std::size_t run, bool from_data) const {
     Values own(static_cast<Eigen::Index>(layout_.per_run[run].size()));
     for (Eigen::Index i = 0; i < own.size(); ++i)
-      own[i] = !from_data && i < nominal_.own[run].size() ? nominal_.own[run][i] : layout_.per_run[run][static_cast<std::size_t>(i)].start;
+      own[i] = !from_data && i < nominal_.own[run].size() ? nominal_.own[run][i] : layout_.per_run[run][static_cast<std::size_t>(i)].begin();
     return own;
   }
 

@@ -169,7 +169,9 @@ Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms,
       for (std::size_t i = 0; at_screened && i < s->shared_start.size(); ++i) start.shared[at + static_cast<Eigen::Index>(i)] = s->shared_start[i];
       at += static_cast<Eigen::Index>(s->shared_start.size());
     }
-    for (std::size_t run = 0; run < start.own.size() && !from_data; ++run) start.own[run].head(base.own[run].size()) = base.own[run];
+    for (std::size_t run = 0; run < start.own.size(); ++run)
+      for (Eigen::Index i = 0; i < base.own[run].size(); ++i)
+        start.own[run][i] = from_data ? layout.per_run[run][static_cast<std::size_t>(i)].begin() : base.own[run][i];
     // Start values first: those that suit the base do not suit the screened point, and would drive the fit away from it.
     if (at_screened) start = minimise_own(problem_, evaluated(problem_, std::move(start)), train_, options);
     return minimise(problem_, start, options);

@@ -95,7 +95,7 @@ std::optional<Parameter> number_of(const YamlNode& tree, const std::string& key)
   if (!(value > 0)) return {};
   Parameter p;
   p.key = key;
-  p.start = p.null = value;
+  p.start = p.null = p.read = value;
   p.lower = value / 100;
   p.upper = value * 100;
   p.step = 1e-3 * value;
@@ -122,7 +122,7 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
       p.use = use;
       p.key = "bodies." + body.name + "." + what;
       p.component = k;
-      p.start = p.null = start;
+      p.start = p.null = p.read = start;
       p.step = 0.5 * uncertainty;
       p.told = what == "position" ? body.position[k] : what == "velocity" ? body.velocity[k] : what == "angular_velocity" ? body.angular_velocity[k] : start;
       if (observed != nullptr) p.prior_sd = std::max(prior_errors * uncertainty, prior_share * fastest_seen);

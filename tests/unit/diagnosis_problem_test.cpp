@@ -327,12 +327,15 @@ TEST(Horizon, ReachesFurtherOnceStartValuesAreFitted) {
     return history;
   };
   Problem problem(bundle, {0}, kinked);
-  const double before = problem.runs()[0].horizon;
+  const double before = problem.runs()[0].horizon, read = problem.runs()[0].start[2].begin();
   EXPECT_GE(before, 0.3);
   ASSERT_LT(before, 0.5);
   follow_further(problem, {});
   EXPECT_GT(problem.runs()[0].horizon, 1.05 * before);
   EXPECT_NEAR(problem.runs()[0].start[2].start, 2, 0.01);
+  // Other physics than the nominal's begin where the data say, not where the nominal fit was led.
+  EXPECT_NE(problem.runs()[0].start[2].start, read);
+  EXPECT_EQ(problem.runs()[0].start[2].begin(), read);
 }
 
 TEST(Problem, AFailedSimulationIsNoPointAtAll) {
