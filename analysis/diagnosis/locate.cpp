@@ -11,6 +11,7 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double visible = 1;         // sigma: a component whose whole weight moves the record by less cannot be estimated
+constexpr double stands_out_alike = 0.5;  // in deviates
 constexpr double trial_share = 0.02;  // of a body's weight: small against what matters, large against rounding
 
 /// The observable of the run that moves most with the direction d.
@@ -31,9 +32,6 @@ void sort_by_p(std::vector<Located>& entries) {
   std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
 }
 
-/// Does `b` follow upon `a` in the same phase?
-bool follows(const Segment& a, const Segment& b) { return a.body == b.body && a.phase == b.phase && std::abs(a.to - b.from) < 1e-9; }
-
 /// The force is the mean over the time of both, p the smaller.
 Located joined(Located a, const Located& b) {
   const double before = a.segment.to - a.segment.from, more = b.segment.to - b.segment.from, both = before + more;
@@ -44,112 +42,227 @@ Located joined(Located a, const Located& b) {
   return a;
 }
 
-/// Of one run and body: first and last piece, and how much a constant force from the one to the other stands out.
+/// Two bodies that are hit at the same time: by each other, as far as their paths tell.
+bool hit_each_other(const Segment& a, const Segment& b) {
+  return a.phase == Phase::impact && b.phase == Phase::impact && a.body < b.body && a.from < b.to && b.from < a.to;
+}
+
+/// An impact is seen no more exactly than the samples beside it: its window is wider by one of them on either side. The force stays the mean over it.
+Located as_seen(Located impact, const RunData& data) {
+  double sample = 0;
+  for (const Channel& c : data.channels)
+    if (c.observable == impact.observable && c.body == impact.segment.body && c.time.size() > 1)
+      sample = (c.time.back() - c.time.front()) / static_cast<double>(c.time.size() - 1);
+  const double before = impact.segment.to - impact.segment.from;
+  impact.segment.from = std::max(0.0, impact.segment.from - sample);
+  impact.segment.to = std::min(data.horizon, impact.segment.to + sample);
+  const double share = before / std::max(impact.segment.to - impact.segment.from, before);
+  impact.force *= share;
+  impact.force_se *= share;
+  return impact;
+}
+
+/// Of one run and body: first and last piece, alike in phase, with nothing but impacts between, and how much one force in all of them stands out.
 struct Window {
   std::size_t first, last;
+  Phase phase;
   double deviate;
+
+  bool overlaps(const Window& other) const { return phase == other.phase && first <= other.last && other.first <= last; }
+  bool contains(const Window& other) const { return phase == other.phase && first <= other.first && other.last <= last; }
 };
 
-/// Those that stand out most and do not overlap.
+/// Those that stand out most and do not overlap. What acts does so all along a phase more often than in a part of it, and forces that stay the same
+/// from piece to piece are only nearly what acts: of windows that stand out alike, the longest.
 std::vector<Window> disjoint(std::vector<Window> windows) {
   std::sort(windows.begin(), windows.end(), [](const Window& a, const Window& b) { return a.deviate > b.deviate; });
   std::vector<Window> taken;
-  for (const Window& w : windows)
-    if (std::none_of(taken.begin(), taken.end(), [&](const Window& t) { return w.first <= t.last && t.first <= w.last; })) taken.push_back(w);
+  const auto is_free = [&](const Window& w) { return std::none_of(taken.begin(), taken.end(), [&](const Window& t) { return t.overlaps(w); }); };
+  for (const Window& most : windows) {
+    if (!is_free(most)) continue;
+    Window longest = most;
+    for (const Window& w : windows)
+      if (w.contains(longest) && w.deviate > most.deviate - stands_out_alike && is_free(w)) longest = w;
+    taken.push_back(longest);
+  }
   return taken;
 }
+
+/// The pieces of all runs that are looked at, each tested by a constant force.
+class Locating {
+ public:
+  Locating(const Problem& problem, const Fit& fit, const Nuisance& nuisance) : problem_(problem), fit_(fit), nuisance_(nuisance) {}
+
+  void look_at(std::size_t i) {
+    run_ = fit_.runs[i];
+    residual_ = &fit_.residual[i];
+    first_ = nuisance_.first()[i];
+    size_ = nuisance_.first()[i + 1] - first_;
+    first_entry_ = entries_.size();
+    first_window_ = windows_.size();
+    responses_.resize(size_, 0);
+    const History history = problem_.history(fit_.layout, run_, fit_.shared, fit_.own[run_]);
+    gravity_ = gravity_scale(history);
+    const RunData& data = problem_.runs()[run_];
+    for (const auto& [body, track] : history.bodies)
+      if (std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name; }))
+        test_pieces(history, body);
+    test_contact_impulses();
+    estimate_forces();
+  }
+
+  Places places(int replicas, std::uint64_t seed) {
+    if (entries_.empty()) return {};
+    const NullDistribution null = null_of(probes_, nuisance_.residual(), replicas, seed);
+    for (Located& e : entries_) e.p = null.p(e.deviate);
+    Places places;
+    for (const Window& w : disjoint(std::move(windows_))) {
+      Located stretch = entries_[w.first];
+      for (std::size_t n = w.first + 1; n <= w.last; ++n)
+        if (entries_[n].segment.phase == stretch.segment.phase) stretch = joined(std::move(stretch), entries_[n]);
+      stretch.deviate = w.deviate;
+      if (stretch.segment.phase == Phase::impact) stretch = as_seen(std::move(stretch), problem_.runs()[stretch.run]);
+      places.stretches.push_back(stretch);
+    }
+    sort_by_p(places.stretches);
+    sort_by_p(entries_);
+    places.pieces = std::move(entries_);
+    return places;
+  }
+
+ private:
+  /// What a force of the body's weight during the segment does to the residual of the run, along x, y and z.
+  Eigen::MatrixXd response(const Segment& segment, double weight) const {
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size_, 3);
+    for (int k = 0; k < 3; ++k) {
+      const WindowLoad load{segment.body, segment.from, segment.to, trial_share * weight * Vec3::Unit(k), Vec3::Zero()};
+      const Eigen::VectorXd r = problem_.residual(fit_.layout, run_, fit_.shared, fit_.own[run_], {load});
+      if (r.size() > 0) columns.col(k) = (r - *residual_) / trial_share;
+    }
+    return columns;
+  }
+
+  Probe probe_of(const Eigen::MatrixXd& columns) const {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(nuisance_.size(), columns.cols());
+    all.middleRows(first_, size_) = columns;
+    return {nuisance_.left_of(all), false};
+  }
+
+  double deviate_of(const Probe& probe) const { return deviate(gain_of(probe, nuisance_.residual()), probe.basis.cols()); }
+
+  void test_pieces(const History& history, const std::string& body) {
+    std::vector<std::size_t> alike;  // entries of the phase that lasts, but for impacts
+    for (const Segment& segment : segments_of(history, body, problem_.runs()[run_].horizon, 8)) {
+      Located entry;
+      entry.run = run_;
+      entry.segment = segment;
+      entry.mass = history.mass.at(body);
+      const Eigen::MatrixXd columns = response(segment, entry.mass * gravity_);
+      entry.observable = most_moved(problem_.runs()[run_], columns.rowwise().sum());
+      Probe probe = probe_of(columns);
+      if (probe.basis.cols() == 0) {
+        alike.clear();
+        continue;
+      }
+      entry.deviate = deviate_of(probe);
+      probes_.push_back(std::move(probe));
+      responses_.conservativeResize(Eigen::NoChange, responses_.cols() + 3);
+      responses_.rightCols(3) = columns;
+      const std::size_t place = entries_.size();
+      entries_.push_back(entry);
+      windows_.push_back({place, place, segment.phase, entry.deviate});
+      if (segment.phase == Phase::impact) continue;
+      if (!alike.empty() && entries_[alike.back()].segment.phase != segment.phase) alike.clear();
+      alike.push_back(place);
+      test_together(alike);
+    }
+  }
+
+  /// The last few of `alike` under one force, which stays as it is or holds the body up wherever it goes, as friction does and drag: responses add.
+  void test_together(const std::vector<std::size_t>& alike) {
+    Eigen::MatrixXd constant = Eigen::MatrixXd::Zero(size_, 3), friction = Eigen::MatrixXd::Zero(size_, 1), drag = friction;
+    for (std::size_t n = alike.size(); n-- > 0;) {
+      const Eigen::MatrixXd columns = response_of(alike[n]);
+      const Segment& segment = entries_[alike[n]].segment;
+      const Vec3 along = segment.velocity.normalized();
+      constant += columns;
+      friction -= columns * along;
+      drag -= columns * segment.velocity.squaredNorm() * along;
+      if (n + 1 == alike.size()) continue;  // one alone is tested already
+      double most = deviate_of(probe_of(constant));
+      for (const Eigen::MatrixXd& against : {friction, drag})
+        if (const Probe probe = probe_of(against); probe.basis.cols() > 0) most = std::max(most, deviate_of(probe));
+      windows_.push_back({alike[n], alike.back(), segment.phase, most});
+    }
+  }
+
+  Eigen::MatrixXd response_of(std::size_t entry) const { return responses_.middleCols(static_cast<Eigen::Index>(3 * (entry - first_entry_)), 3); }
+
+  /// What a contact does to one body in an impact it does to the other the other way round: a wrong law of contact shows in both.
+  void test_contact_impulses() {
+    for (std::size_t m = first_entry_; m < entries_.size(); ++m)
+      for (std::size_t n = first_entry_; n < entries_.size(); ++n) {
+        if (!hit_each_other(entries_[m].segment, entries_[n].segment)) continue;
+        const auto impulse = [&](std::size_t e) -> Eigen::MatrixXd {  // responses are those to the weight of the body for the time of the piece
+          const Located& l = entries_[e];
+          return response_of(e) / (l.mass * (l.segment.to - l.segment.from));
+        };
+        Probe probe = probe_of(impulse(m) - impulse(n));
+        if (probe.basis.cols() == 0) continue;
+        const double together = deviate_of(probe);
+        probes_.push_back(std::move(probe));
+        for (const std::size_t e : {m, n}) {
+          entries_[e].deviate = std::max(entries_[e].deviate, together);
+          for (std::size_t w = first_window_; w < windows_.size(); ++w)
+            if (windows_[w].first == e && windows_[w].last == e) windows_[w].deviate = entries_[e].deviate;
+        }
+      }
+  }
+
+  /// All segments of the run together, so that none speaks for its neighbours; in units of the weight, a little stiff.
+  void estimate_forces() {
+    if (responses_.cols() == 0) return;
+    const RunJacobian j = jacobian(problem_, fit_, run_);
+    Eigen::MatrixXd a(size_, responses_.cols() + j.own.cols());
+    a << responses_, j.own;
+    for (Eigen::Index c = 0; c < responses_.cols(); ++c)
+      if (a.col(c).norm() < visible) a.col(c).setZero();
+    Eigen::VectorXd column_size = a.colwise().norm().transpose();
+    for (double& size_of : column_size) size_of = size_of > 0 ? size_of : 1;
+    const Eigen::MatrixXd scaled = a * column_size.cwiseInverse().asDiagonal();
+    Eigen::MatrixXd normal = scaled.transpose() * scaled;
+    normal.diagonal().array() += 1e-6;
+    const Eigen::MatrixXd inverse = normal.inverse();
+    const Eigen::VectorXd solution = column_size.cwiseInverse().asDiagonal() * (inverse * (scaled.transpose() * -*residual_));
+    for (std::size_t e = first_entry_; e < entries_.size(); ++e)
+      for (int k = 0; k < 3; ++k) {
+        const auto c = static_cast<Eigen::Index>(3 * (e - first_entry_)) + k;
+        const double weight = entries_[e].mass * gravity_;
+        entries_[e].force[k] = weight * solution[c];
+        entries_[e].force_se[k] = a.col(c).isZero(0) ? weight : weight * std::sqrt(inverse(c, c)) / column_size[c];
+      }
+  }
+
+  const Problem& problem_;
+  const Fit& fit_;
+  const Nuisance& nuisance_;
+  std::vector<Located> entries_;
+  std::vector<Window> windows_;
+  std::vector<Probe> probes_;
+  // Of the run that is looked at: its place in the stacked residual, where its entries and windows begin, and three columns of responses for each entry.
+  std::size_t run_ = 0, first_entry_ = 0, first_window_ = 0;
+  const Eigen::VectorXd* residual_ = nullptr;
+  Eigen::Index first_ = 0, size_ = 0;
+  double gravity_ = 9.81;
+  Eigen::MatrixXd responses_;
+};
 
 }  // namespace
 
 Places locate(const Problem& problem, const Fit& nominal, const Nuisance& nuisance, std::size_t max_runs, int replicas, std::uint64_t seed) {
-  std::vector<Located> entries;
-  std::vector<Window> windows;
-  std::vector<Probe> probes;
-  const Fit& fit = nominal;
-  for (std::size_t i = 0; i < std::min(fit.runs.size(), max_runs); ++i) {
-    const std::size_t run = fit.runs[i];
-    const RunData& data = problem.runs()[run];
-    const History history = problem.history(fit.layout, run, fit.shared, fit.own[run]);
-    const Eigen::Index first = nuisance.first()[i], size = nuisance.first()[i + 1] - first;
-    std::vector<std::size_t> of_run;
-    Eigen::MatrixXd all(size, 0);
-    for (const auto& [body, track] : history.bodies) {
-      const bool observed = std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name; });
-      if (!observed) continue;
-      const double weight = history.mass.at(body) * gravity_scale(history);
-      std::vector<Eigen::MatrixXd> responses;  // of the pieces since the phase began
-      std::size_t begun = entries.size();
-      for (const Segment& segment : segments_of(history, body, data.horizon, 8)) {
-        Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(nuisance.size(), 3);
-        for (int k = 0; k < 3; ++k) {
-          WindowLoad load{body, segment.from, segment.to, trial_share * weight * Vec3::Unit(k), Vec3::Zero()};
-          const Eigen::VectorXd r = problem.residual(fit.layout, run, fit.shared, fit.own[run], {load});
-          if (r.size() > 0) columns.col(k).segment(first, size) = (r - fit.residual[i]) / trial_share;
-        }
-        Located entry;
-        entry.run = run;
-        entry.segment = segment;
-        entry.mass = history.mass.at(body);
-        entry.observable = most_moved(data, columns.rowwise().sum().segment(first, size));
-        Probe probe{nuisance.left_of(columns), false};
-        if (probe.basis.cols() == 0) {
-          responses.clear();
-          begun = entries.size();
-          continue;
-        }
-        entry.deviate = deviate(gain_of(probe, nuisance.residual()), probe.basis.cols());
-        all.conservativeResize(Eigen::NoChange, all.cols() + 3);
-        all.rightCols(3) = columns.middleRows(first, size);
-        probes.push_back(std::move(probe));
-        of_run.push_back(entries.size());
-        if (!responses.empty() && !follows(entries.back().segment, segment)) responses.clear();
-        if (responses.empty()) begun = entries.size();
-        entries.push_back(entry);
-        windows.push_back({entries.size() - 1, entries.size() - 1, entry.deviate});
-        // The last few pieces together: responses add.
-        for (std::size_t n = responses.size(); n-- > 0;) {
-          columns.middleRows(first, size) += responses[n];
-          const Probe together{nuisance.left_of(columns), false};
-          windows.push_back({begun + n, entries.size() - 1, deviate(gain_of(together, nuisance.residual()), together.basis.cols())});
-        }
-        responses.push_back(all.rightCols(3).eval());
-      }
-      // The forces of all segments together, so that none speaks for its neighbours; in units of the weight, a little stiff.
-      if (all.cols() == 0) continue;
-      const RunJacobian j = jacobian(problem, fit, run);
-      Eigen::MatrixXd a(size, all.cols() + j.own.cols());
-      a << all, j.own;
-      for (Eigen::Index c = 0; c < all.cols(); ++c)
-        if (a.col(c).norm() < visible) a.col(c).setZero();
-      Eigen::VectorXd column_size = a.colwise().norm().transpose();
-      for (double& size_of : column_size) size_of = size_of > 0 ? size_of : 1;
-      Eigen::MatrixXd scaled = a * column_size.cwiseInverse().asDiagonal();
-      Eigen::MatrixXd normal = scaled.transpose() * scaled;
-      normal.diagonal().array() += 1e-6;
-      const Eigen::MatrixXd inverse = normal.inverse();
-      const Eigen::VectorXd solution = column_size.cwiseInverse().asDiagonal() * (inverse * (scaled.transpose() * -fit.residual[i]));
-      for (std::size_t n = 0; n < of_run.size() && static_cast<Eigen::Index>(3 * n + 2) < all.cols(); ++n)
-        for (int k = 0; k < 3; ++k) {
-          const auto c = static_cast<Eigen::Index>(3 * n) + k;
-          entries[of_run[n]].force[k] = weight * solution[c];
-          entries[of_run[n]].force_se[k] = a.col(c).isZero(0) ? weight : weight * std::sqrt(inverse(c, c)) / column_size[c];
-        }
-    }
-  }
-  if (entries.empty()) return {};
-  const NullDistribution null = null_of(probes, nuisance.residual(), replicas, seed);
-  for (Located& e : entries) e.p = null.p(e.deviate);
-  Places places;
-  for (const Window& w : disjoint(std::move(windows))) {
-    Located stretch = entries[w.first];
-    for (std::size_t n = w.first + 1; n <= w.last; ++n) stretch = joined(std::move(stretch), entries[n]);
-    stretch.deviate = w.deviate;
-    places.stretches.push_back(stretch);
-  }
-  sort_by_p(places.stretches);
-  sort_by_p(entries);
-  places.pieces = std::move(entries);
-  return places;
+  Locating locating(problem, nominal, nuisance);
+  for (std::size_t i = 0; i < std::min(nominal.runs.size(), max_runs); ++i) locating.look_at(i);
+  return locating.places(replicas, seed);
 }
 
 }  // namespace repose::diagnosis

@@ -22,8 +22,10 @@ struct Located {
 
 struct Places {
   std::vector<Located> pieces;     ///< every segment by itself, sorted by p, then by deviate
-  /// Disjoint windows: of neighbouring pieces of one run, body and phase, those through which a constant force stands out most, so that what acts
-  /// all along a phase is told as one. The force is the mean over its time, p the smallest of its pieces. Sorted as above.
+  /// Windows of one run, body and phase each, disjoint within these: those through which one force stands out most, constant, or against the motion and
+  /// constant or as its square, so that what acts all along a phase is told as one. They reach across impacts. Of those that stand out alike, the longest.
+  /// The force is the mean over its time in the phase, p the smallest of its pieces. An impact is wider by one sample on either side, since it is seen no
+  /// more exactly; of two bodies that are hit at once the equal and opposite impulse is tested, too. Sorted as above.
   std::vector<Located> stretches;
 };
 

@@ -1,13 +1,14 @@
 /// What the cone solvers cost: time per contact and iteration beside the bandwidth of the memory, bytes per contact, and
 /// iterations and time to a given residual. Prints Markdown tables. `dvi_bench [--quick]`.
 ///
-/// Beds of 58 um spheres are poured once (2,000 grains, by the backend itself) and tiled side by side to the size wanted:
-/// contacts per grain and depth stay the same, so what changes is the memory they take.
+/// A bed of 58 um spheres is poured once (2,000 grains on a plate with periodic sides, by the backend itself) and laid out in rows of
+/// tiles to the size wanted. A contact across a side joins a tile to the next: one connected bed of the same depth, whatever its size.
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <random>
 #include <string>
@@ -63,10 +64,10 @@ Model bed(double rolling) {
   law.friction = 0.52;
   law.rolling_friction = law.spinning_friction = rolling;
   const int side = 9;
-  const double width = 1.15 * side * radius;
+  const double half_width = 1.15 * side * radius;
   test::ModelBuilder builder;
   builder.material("grain", 1020).law("grain", "grain", law).floor("grain");
-  for (const Vec3& n : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) builder.floor("grain", n, -width * n);
+  for (const int axis : {0, 1}) builder.periodic(axis, -half_width, half_width);
   const Shape ball = test::shape_of("sphere", Sphere{radius});
   for (int i = 0; i < tile_grains; ++i) {
     const int x = i % side, y = i / side % side, z = i / side / side;
@@ -76,14 +77,20 @@ Model bed(double rolling) {
   return builder.build();
 }
 
+/// How many periods lie between a tile and the one whose body b a contact meets.
+struct Across {
+  int x = 0, y = 0;
+};
+
 /// A contact problem with the impulses that the step before left.
 struct Case {
   ConeProblem problem;
+  std::vector<Across> across;  ///< of each contact
   std::vector<Impulse> warm;
 };
 
-/// The problem of the next step of `state`, in the world's own units; spheres only.
-ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinder& finder, std::vector<ContactId>& ids) {
+/// The problem of the next step of `state`, in the world's own units, without impulses; spheres only.
+Case next_problem(const Model& model, const Snapshot& state, ContactFinder& finder, std::vector<ContactId>& ids) {
   const Units units = units_of(model);
   const double h = step / units.time;
   std::vector<Vec3> position, velocity, angular_velocity;
@@ -100,7 +107,8 @@ ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinde
     turning_speed.push_back(model.bodies[i].dynamic ? turning : 0.0);
   }
   const std::vector<FoundContact>& found = finder.find({position, rotation, velocity, angular_velocity, turning_speed, present}, h, 1.0, 1);
-  ConeProblem problem;
+  Case next;
+  ConeProblem& problem = next.problem;
   std::vector<std::int32_t> slot(model.bodies.size());
   const auto add = [&](std::size_t body) {
     slot[body] = static_cast<std::int32_t>(problem.velocity.size());
@@ -122,12 +130,17 @@ ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinde
   for (const FoundContact& f : found) {
     const auto a = static_cast<std::size_t>(f.id.a()), b = static_cast<std::size_t>(f.id.b());
     const PairLaw& law = model.law(model.bodies[a].material, model.bodies[b].material);
+    const Vec3 shift = finder.image_shift(position, f.id.a(), f.id.b());
+    const auto periods = [&](int axis) {
+      return static_cast<int>(std::lround(shift[axis] * units.length / model.periodic.length(axis)));
+    };
+    next.across.push_back({periods(0), periods(1)});
     ConeContact c;
     c.a = slot[a];
     c.b = slot[b];
     c.normal = f.point.normal;
     c.arm_a = f.point.point - position[a];
-    c.arm_b = f.point.point - position[b];
+    c.arm_b = f.point.point - position[b] - shift;
     c.bias = std::max(0.0, f.point.gap) / h;
     c.friction = law.friction;
     c.rolling = law.rolling_friction;
@@ -136,7 +149,7 @@ ConeProblem next_problem(const Model& model, const Snapshot& state, ContactFinde
     problem.contacts.push_back(c);
     ids.push_back(f.id);
   }
-  return problem;
+  return next;
 }
 
 /// Runs the bed for `steps` and takes the problem that comes next, with the impulses of the last step.
@@ -148,8 +161,7 @@ Case poured(double rolling, int steps) {
   const Snapshot state = run(*world, model, {step, steps * step, 1e9, 1e9}, nullptr, {}).final_state;
   ContactFinder finder(model, units_of(model).length);
   std::vector<ContactId> ids;
-  Case c;
-  c.problem = next_problem(model, state, finder, ids);
+  Case c = next_problem(model, state, finder, ids);
   std::vector<Contact> contacts;
   world->read(contacts);
   std::unordered_map<std::uint64_t, Contact> last;
@@ -173,40 +185,49 @@ Case poured(double rolling, int steps) {
   return c;
 }
 
-/// `copies` of a problem side by side, as one.
-Case tiled(const Case& tile, int copies) {
+/// So many tiles along x and along y.
+struct Layout {
+  int x = 1, y = 1;
+  int tiles() const { return x * y; }
+};
+
+/// A tile repeated, as one problem: around the whole of it its sides are periodic, as the tile's were.
+Case laid_out(const Case& tile, Layout layout) {
   Case result;
-  const auto n = static_cast<std::size_t>(tile.problem.dynamic_bodies);
-  const std::size_t walls = tile.problem.velocity.size() - n;
+  const int n = tile.problem.dynamic_bodies;
+  const auto bodies = static_cast<int>(tile.problem.velocity.size());
   ConeProblem& p = result.problem;
-  p.dynamic_bodies = static_cast<std::int32_t>(n) * copies;
-  const auto append = [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) {
+  p.dynamic_bodies = n * layout.tiles();
+  const auto append = [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
       p.inverse_mass.push_back(tile.problem.inverse_mass[i]);
       p.velocity.push_back(tile.problem.velocity[i]);
       p.angular_velocity.push_back(tile.problem.angular_velocity[i]);
     }
   };
-  for (int k = 0; k < copies; ++k) append(0, n);
-  append(n, n + walls);
-  for (int k = 0; k < copies; ++k)
-    for (std::size_t i = 0; i < tile.problem.contacts.size(); ++i) {
-      ConeContact c = tile.problem.contacts[i];
-      const auto place = [&](std::int32_t& body) {
-        const bool dynamic = body < tile.problem.dynamic_bodies;
-        body += static_cast<std::int32_t>(dynamic ? static_cast<std::size_t>(k) * n : static_cast<std::size_t>(copies - 1) * n);
-      };
-      place(c.a);
-      place(c.b);
-      p.contacts.push_back(c);
-      result.warm.push_back(tile.warm[i]);
-    }
+  for (int k = 0; k < layout.tiles(); ++k) append(0, n);
+  append(n, bodies);
+  const auto body_of = [&](std::int32_t body, int x, int y) {
+    if (body >= n) return body + n * (layout.tiles() - 1);  // the plate, below all
+    const int column = (x + layout.x) % layout.x, row = (y + layout.y) % layout.y;
+    return body + n * (row * layout.x + column);
+  };
+  for (int y = 0; y < layout.y; ++y)
+    for (int x = 0; x < layout.x; ++x)
+      for (std::size_t i = 0; i < tile.problem.contacts.size(); ++i) {
+        ConeContact c = tile.problem.contacts[i];
+        const Across& across = tile.across[i];
+        c.a = body_of(c.a, x, y);
+        c.b = body_of(c.b, x + across.x, y + across.y);
+        p.contacts.push_back(c);
+        result.warm.push_back(tile.warm[i]);
+      }
   return result;
 }
 
-void sweep_cost(const Case& tile, const std::string& rows, const std::vector<int>& copies) {
-  for (const int k : copies) {
-    const Case c = tiled(tile, k);
+void sweep_cost(const Case& tile, const std::string& rows, const std::vector<Layout>& layouts) {
+  for (const Layout& layout : layouts) {
+    const Case c = laid_out(tile, layout);
     const Colouring colouring = colour_contacts(c.problem, 1);
     for (const int threads : {1, 2}) {
       PackedProblem<float> packed;
@@ -230,7 +251,7 @@ void sweep_cost(const Case& tile, const std::string& rows, const std::vector<int
                             contacts * static_cast<double>(sizeof(ConeContact) + sizeof(Impulse) + sizeof(std::int32_t));
       const auto [low, high] = std::minmax_element(time.begin(), time.end());
       fmt::print("| {} | {} | {:.0f} | {} | {:.1f} ({:.1f}-{:.1f}) | {:.0f} + {:.0f} | {:.1f} | {:.1f} | {:.0f} |\n", rows,
-                 k * tile_grains, contacts, threads, 1e9 * median(time), 1e9 * *low, 1e9 * *high, batch / contacts,
+                 layout.tiles() * tile_grains, contacts, threads, 1e9 * median(time), 1e9 * *low, 1e9 * *high, batch / contacts,
                  bodies / contacts, bandwidth / 1e9, 1e9 * (batch / contacts) / bandwidth, stored / contacts);
       std::fflush(stdout);
     }
@@ -272,14 +293,14 @@ int main(int argc, char** argv) {
     return std::strcmp(argv[1], "--help") == 0 ? 0 : 2;
   }
   const int settled = quick ? 60 : 400, collapsing = quick ? 40 : 130;
-  const std::vector<int> copies = quick ? std::vector<int>{1} : std::vector<int>{1, 10, 50};
+  const std::vector<Layout> layouts = quick ? std::vector<Layout>{{1, 1}, {2, 1}} : std::vector<Layout>{{1, 1}, {5, 2}, {8, 8}};
   const Case full = poured(0.075, settled);
   const Case sliding = poured(0, settled);
   fmt::print("Gauss-Seidel, single precision, one sweep; bytes: contact + bodies; floor: contact bytes over triad bandwidth\n\n");
   fmt::print("| rows | grains | contacts | threads | ns per contact and sweep (range) | bytes | triad GB/s | floor ns | stored bytes per contact |\n");
   fmt::print("|---|---|---|---|---|---|---|---|---|\n");
-  sweep_cost(sliding, "sliding", copies);
-  sweep_cost(full, "sliding, rolling, spinning", copies);
+  sweep_cost(sliding, "sliding", layouts);
+  sweep_cost(full, "sliding, rolling, spinning", layouts);
   fmt::print("\nIterations (products with N for the gradients) and time to a residual, 2,000 grains, one thread\n\n");
   fmt::print("| bed | solver | start | 1e-3 | 1e-4 | 1e-5 |\n|---|---|---|---|---|---|\n");
   const int most = quick ? 300 : 20000;

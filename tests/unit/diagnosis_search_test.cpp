@@ -280,43 +280,6 @@ TEST(Segments, PartAPathAtPhasesAndIntoPiecesThatCoverIt) {
   for (const Segment& s : segments) EXPECT_EQ(s.phase, s.from > 0.295 && s.to < 0.455 ? Phase::sliding : Phase::flight) << s.from;
 }
 
-TEST(Locate, FindsTheWindowOfAForce) {
-  Flights f{.noise = 2e-4, .rate = 100, .duration = 0.8};
-  const double from = 0.3, to = 0.5;
-  f.loads = {{"ball", from, to, Vec3(0.003, 0, 0), Vec3::Zero()}};
-  const Bundle bundle = flights(f);
-  const Problem problem(bundle, all(bundle), fly);
-  const Fit fit = nominal_fit(problem);
-  const std::vector<Located> where = locate(problem, fit, Nuisance(problem, fit), 4, 499, 1).stretches;
-  ASSERT_FALSE(where.empty());
-  const Segment& s = where.front().segment;
-  EXPECT_LE(where.front().p, 0.01);
-  EXPECT_EQ(where.front().observable, "position");
-  EXPECT_EQ(s.phase, Phase::flight);
-  const double both = std::min(s.to, to) - std::max(s.from, from), either = std::max(s.to, to) - std::min(s.from, from);
-  EXPECT_GE(both / either, 0.6) << s.from << " .. " << s.to;
-  // Pieces that reach over the edges of the window share its push.
-  EXPECT_NEAR(where.front().force.x() * (s.to - s.from), 0.003 * (to - from), 0.2 * 0.003 * (to - from));
-}
-
-TEST(Locate, AForceThatActsAllAlongAPhaseIsOneStretch) {
-  const Bundle bundle = flights({.noise = 2e-4, .rate = 100, .duration = 0.8, .truth = "{uniform_force: {force: [0.002, 0, 0]}}"});
-  const Problem problem(bundle, all(bundle), fly);
-  const Fit fit = nominal_fit(problem);
-  const Places places = locate(problem, fit, Nuisance(problem, fit), 4, 499, 1);
-  const Located& first = places.stretches.front();
-  EXPECT_LE(first.p, 0.01);
-  EXPECT_GE(first.segment.to - first.segment.from, 0.6 * 0.8);
-  EXPECT_GT(places.pieces.size(), places.stretches.size());
-  // Disjoint, and all of each path.
-  for (std::size_t run = 0; run < 4; ++run) {
-    double covered = 0;
-    for (const Located& l : places.stretches)
-      if (l.run == run) covered += l.segment.to - l.segment.from;
-    EXPECT_NEAR(covered, 0.8, 0.02) << run;
-  }
-}
-
 TEST(Segments, JoinedHaveTheMeansOverTheirTime) {
   Segment a{"ball", Phase::flight, 0, 0.1}, b{"ball", Phase::flight, 0.1, 0.4};
   a.speed = 1, b.speed = 2;
@@ -326,13 +289,6 @@ TEST(Segments, JoinedHaveTheMeansOverTheirTime) {
   EXPECT_EQ(both.to, 0.4);
   EXPECT_NEAR(both.speed, 1.75, 1e-12);
   EXPECT_NEAR((both.velocity - Vec3(0.25, 1.5, 0)).norm(), 0, 1e-12);
-}
-
-TEST(Locate, FindsNothingInNoise) {
-  const Bundle bundle = flights({.seed = 4});
-  const Problem problem(bundle, all(bundle), fly);
-  const Fit fit = nominal_fit(problem);
-  for (const Located& l : locate(problem, fit, Nuisance(problem, fit), 4, 199, 1).pieces) EXPECT_GT(l.p, 0.01);
 }
 
 TEST(Shape, NamesTheVariableAndItsPower) {
