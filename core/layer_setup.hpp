@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/math.hpp"
 
@@ -32,6 +33,7 @@ struct LayerSetup {
   Vec2 lower = Vec2::Zero(), upper = Vec2::Zero();  ///< the region that is measured (x, y) [m]
   double cell = 0;                     ///< of the height grid [m], > 0
   double square = 0;                   ///< edge of the squares whose highest grain is taken [m], > 0
+  std::vector<double> further_squares; ///< edges of squares that are told beside these, in figures alone [m]
   double s_filter = 0;                 ///< nesting index of the Gaussian S filter [m]; 0: none
   double l_filter = 0;                 ///< nesting index of the Gaussian L filter [m]; 0: none
 };

@@ -45,7 +45,7 @@ void read_region(const YamlReader& reader, LayerSetup& layer) {
 }
 
 void read_surface(const YamlReader& reader, LayerSetup& layer) {
-  reader.only({"cell", "square", "s_filter", "l_filter"});
+  reader.only({"cell", "square", "further_squares", "s_filter", "l_filter"});
   reader.require("cell", layer.cell, length);
   reader.require("square", layer.square, length);
   reader.read("s_filter", layer.s_filter, non_negative(dimension::length));
@@ -55,10 +55,16 @@ void read_surface(const YamlReader& reader, LayerSetup& layer) {
     reader.at("cell").fail("the region is narrower than ten cells", "a tenth of a grain is usual");
   if (extent.prod() / (layer.cell * layer.cell) > 1e9)
     reader.at("cell").fail("the region has more than a billion cells", "a tenth of a grain is usual");
-  if (layer.square > extent.minCoeff())
-    reader.at("square").fail("is larger than the region", "about one grain diameter is usual");
-  if (extent.prod() / (layer.square * layer.square) > 1e9)
-    reader.at("square").fail("the region has more than a billion squares", "about one grain diameter is usual");
+  const auto fits = [&](const YamlReader& at, double square) {
+    if (square > extent.minCoeff()) at.fail("is larger than the region", "about one grain diameter is usual");
+    if (extent.prod() / (square * square) > 1e9) at.fail("the region has more than a billion squares", "about one grain diameter is usual");
+  };
+  fits(reader.at("square"), layer.square);
+  if (reader.has("further_squares"))
+    for (const YamlReader& item : reader.at("further_squares").items()) {
+      layer.further_squares.push_back(item.number(length));
+      fits(item, layer.further_squares.back());
+    }
   for (const auto& [key, index] : {std::pair{"s_filter", layer.s_filter}, {"l_filter", layer.l_filter}})
     if (index > 0 && index < least_filter_cells * layer.cell)
       reader.at(key).fail("is shorter than three cells: on this grid it is no filter", "make it longer or `cell` smaller, or leave it out for none");

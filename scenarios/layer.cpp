@@ -64,8 +64,9 @@ void tell(const LayerMeasurement& m, const Scene& scene, const SpreaderPath& pat
                s->packing.fraction ? fmt::format("{:.3f}", *s->packing.fraction) : "-", uncovered(*s));
   const std::size_t squares = m.after.highest.top.size();
   fmt::print("highest grains of squares of {:.0f} um\n", setup.square * um);
-  for (const auto& [name, f] : {std::pair{"  centres before", &m.before.centres}, {"  centres after", &m.after.centres},
-                                {"  tops before", &m.before.tops}, {"  tops after", &m.after.tops}})
+  const SquareFigures &before = m.before.squares.front(), &after = m.after.squares.front();
+  for (const auto& [name, f] : {std::pair{"  centres before", &before.centres}, {"  centres after", &after.centres}, {"  tops before", &before.tops},
+                                {"  tops after", &after.tops}})
     if (f->n > 0)
       fmt::print("{:<17}{:>10.2f} {:>9.2f} {:>9.2f} {:>9.2f}{}\n", name, f->mean * um, f->min * um, f->max * um, f->sd * um,
                  f->n < squares ? fmt::format("   of {} of {} squares", f->n, squares) : "");

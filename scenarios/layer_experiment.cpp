@@ -17,13 +17,16 @@ void tell_surface(json& o, const std::string& when, const BedSurface& s) {
       {"mean", s.heights.mean},     {"p0.1", s.heights.quantile.front()}, {"p99.9", s.heights.quantile.back()},
       {"packing", s.packing.fraction}, {"coverage", s.coverage}};
   for (const auto& [name, value] : values) o[name + ("_" + when)] = value ? json(*value) : json(nullptr);
-  for (const auto& [of, f] : {std::pair{"centres", &s.centres}, {"tops", &s.tops}}) {
-    const auto told = [&](const char* name, auto&& value) { o[std::string(name) + "_" + of + "_" + when] = f->n > 0 ? json(value()) : json(nullptr); };
-    told("sd", [&] { return f->sd; });
-    told("min", [&] { return f->min; });
-    told("p0.1", [&] { return f->quantile.front(); });
-    told("p99.9", [&] { return f->quantile.back(); });
-    told("max", [&] { return f->max; });
+  for (const SquareFigures& squares : s.squares) {
+    const std::string size = &squares == &s.squares.front() ? "" : fmt::format("_{:.0f}um", squares.square * um);
+    for (const auto& [of, f] : {std::pair{"centres", &squares.centres}, {"tops", &squares.tops}}) {
+      const auto told = [&](const char* name, auto&& value) { o[std::string(name) + "_" + of + size + "_" + when] = f->n > 0 ? json(value()) : json(nullptr); };
+      told("sd", [&] { return f->sd; });
+      told("min", [&] { return f->min; });
+      told("p0.1", [&] { return f->quantile.front(); });
+      told("p99.9", [&] { return f->quantile.back(); });
+      told("max", [&] { return f->max; });
+    }
   }
 }
 

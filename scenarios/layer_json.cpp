@@ -32,7 +32,12 @@ json surface_json(const BedSurface& s) {
   if (s.error)
     out["standard_errors"] = {{"mean", s.error->mean},       {"Sa", s.error->Sa},         {"Sq", s.error->Sq},
                               {"Ssk", known(s.error->Ssk)}, {"Sku", known(s.error->Sku)}, {"blocks", s.error->blocks}};
-  out["highest_grains"] = {{"square", s.highest.square}, {"centre", figures_json(s.centres)}, {"top", figures_json(s.tops)}};
+  const auto squares_json = [](const SquareFigures& f) {
+    return json{{"square", f.square}, {"centre", figures_json(f.centres)}, {"top", figures_json(f.tops)}};
+  };
+  out["highest_grains"] = squares_json(s.squares.front());
+  out["highest_grains"]["further"] = json::array();
+  for (std::size_t k = 1; k < s.squares.size(); ++k) out["highest_grains"]["further"].push_back(squares_json(s.squares[k]));
   return out;
 }
 

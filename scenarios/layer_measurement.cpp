@@ -33,8 +33,11 @@ BedSurface measure_surface(const LayerSetup& layer, const Model& model, const Sn
   s.Sal = autocorrelation_length(s.prepared);
   s.error = error_of(s.surface, s.prepared, s.Sal, diameter);
   s.highest = highest_grains(model, state, region, layer.square);
-  s.centres = height_figures(s.highest.centre);
-  s.tops = height_figures(s.highest.top);
+  s.squares.push_back({layer.square, height_figures(s.highest.centre), height_figures(s.highest.top)});
+  for (const double square : layer.further_squares) {
+    const HighestGrains further = highest_grains(model, state, region, square);
+    s.squares.push_back({square, height_figures(further.centre), height_figures(further.top)});
+  }
   const double spacing = std::min(std::max(layer.cell, diameter / 12), (layer.upper - layer.lower).minCoeff());
   s.packing = packing_of_bed(model, state, region, spacing, diameter / 4, 3 * diameter);
   s.segregation = segregation(model, state, region, diameter);

@@ -13,6 +13,12 @@
 
 namespace repose {
 
+/// Of the highest grains of all squares of one size; n = 0, and nothing known, if no square has one.
+struct SquareFigures {
+  double square = 0;  ///< edge [m]
+  HeightFigures centres, tops;
+};
+
 /// One state of the bed.
 struct BedSurface {
   HeightGrid grid;              ///< with holes where no grain stands
@@ -24,7 +30,7 @@ struct BedSurface {
   std::optional<double> Sal;    ///< [m]
   std::optional<RoughnessError> error;  ///< nullopt if the region is too small, or the surface correlates too far, to tell
   HighestGrains highest;
-  HeightFigures centres, tops;  ///< of the highest grains; n = 0, and nothing known, if no square has one
+  std::vector<SquareFigures> squares;   ///< of `highest`, then of LayerSetup::further_squares
   Packing packing;
   Segregation segregation;
 };

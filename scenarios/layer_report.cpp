@@ -272,7 +272,8 @@ Table highest_table(const LayerMeasurement& m) {
   Table t;
   t.title = fmt::format("Highest grain in each square of {:.0f} µm", m.after.highest.square * um);
   t.header = {"µm", "centres before", "centres after", "tops before", "tops after"};
-  const HeightFigures* columns[] = {&m.before.centres, &m.after.centres, &m.before.tops, &m.after.tops};
+  const SquareFigures &before = m.before.squares.front(), &after = m.after.squares.front();
+  const HeightFigures* columns[] = {&before.centres, &after.centres, &before.tops, &after.tops};
   const auto row = [&](const std::string& name, auto value) {
     std::vector<std::string> cells{name};
     for (const HeightFigures* f : columns) cells.push_back(f->n > 0 ? fmt::format("{:.2f}", value(*f) * um) : dash);
@@ -285,7 +286,25 @@ Table highest_table(const LayerMeasurement& m) {
   for (std::size_t k = 0; k < told_shares.size(); ++k)
     row(fmt::format("{:g} %", 100 * told_shares[k]), [k](const HeightFigures& f) { return f.quantile[k]; });
   t.notes = {fmt::format("Of {} squares {} have the top of a grain before and {} after. A square without is left out, not taken for bare plate: a grain of the next may cover it.",
-                         m.after.highest.top.size(), m.before.tops.n, m.after.tops.n)};
+                         m.after.highest.top.size(), before.tops.n, after.tops.n)};
+  return t;
+}
+
+/// How much the figures depend on the size of the squares, of which Table 3 of the study tells nothing.
+Table squares_table(const LayerMeasurement& m) {
+  Table t;
+  t.title = "Highest grains by the size of the squares";
+  t.header = {"squares [µm]", "heights [µm]", "lowest before", "highest", "sd", "lowest after", "highest", "sd", "sd after / before"};
+  for (std::size_t k = 0; k < m.after.squares.size(); ++k)
+    for (const auto& [name, of] : {std::pair{"centres", &SquareFigures::centres}, {"tops", &SquareFigures::tops}}) {
+      const HeightFigures &before = m.before.squares[k].*of, &after = m.after.squares[k].*of;
+      std::vector<std::string> cells{fmt::format("{:.0f}", m.after.squares[k].square * um), name};
+      for (const HeightFigures* f : {&before, &after})
+        for (const double value : {f->min, f->max, f->sd}) cells.push_back(f->n > 0 ? fmt::format("{:.1f}", value * um) : dash);
+      cells.push_back(before.n > 0 && after.n > 0 && before.sd > 0 ? fmt::format("{:.2f}", after.sd / before.sd) : dash);
+      t.rows.push_back(std::move(cells));
+    }
+  t.notes = {"The highest grain of a larger square is chosen from more grains: it is higher, and scatters less. Extremes depend on the area of the region."};
   return t;
 }
 
@@ -394,6 +413,7 @@ report::Report layer_report(const LayerReportInput& in) {
                                    without_nan(m.after.highest.top)),
                    Picture{in.thickness_png, "Layer thickness: the surface after minus the surface before, mean over a Gaussian as wide as a square (1 % to 99 %).", ""},
                    surface_table(m, *in.prepared.scene.layer), highest_table(m)}};
+  if (m.after.squares.size() > 1) surface.blocks.push_back(squares_table(m));
   page.sections.push_back(std::move(surface));
   Section bed{"Bed", {}};
   if (auto picture = bed_picture(in)) bed.blocks.push_back(std::move(*picture));

@@ -19,7 +19,7 @@ run() { timeout 600 "$study" "$plan" --out "$work/out" "$@" >"$work/log" 2>&1 </
 
 run --threads 2
 for file in study.json report.html; do [ -s "$work/out/$file" ] || fail "no $file"; done
-for key in Sa_after packing_after thickness solid_per_area Sa_before sd_seed x_unit min_centres_before p0.1_tops_before p99.9_centres_after max_tops_after; do
+for key in Sa_after packing_after thickness solid_per_area Sa_before sd_seed x_unit min_centres_before p0.1_tops_before p99.9_centres_after max_tops_after sd_tops_100um_after; do
   grep -q "\"$key\"" "$work/out/study.json" || fail "the study lacks $key"
 done
 grep -q '"not_at_rest"' "$work/out/study.json" || fail 'the study does not say what came to rest'

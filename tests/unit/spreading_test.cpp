@@ -252,6 +252,16 @@ TEST(Layer, OnABarePlateIsThePlateWhereNoGrainLies) {
   for (const char* key : {"Sa", "Sq", "Sp", "Sv", "Sz"}) EXPECT_EQ(told["surface"]["before"][key], 0) << key;
   for (const char* key : {"Ssk", "Sku", "Sal"}) EXPECT_TRUE(told["surface"]["before"][key].is_null()) << key;
   EXPECT_TRUE(told["surface"]["before"]["highest_grains"]["top"]["mean"].is_null());
+  // Squares of other sizes are those that a run with this size would take.
+  const auto& further = told["surface"]["after"]["highest_grains"]["further"];
+  ASSERT_EQ(further.size(), c.setup.further_squares.size());
+  ASSERT_FALSE(further.empty());
+  LayerSetup alone = c.setup;
+  alone.square = alone.further_squares.front();
+  const nlohmann::json other = layer_json(measure_layer(alone, c.bed, c.bed.initial, after, {}, 110e-6, -1e-3), alone, {}, {});
+  EXPECT_EQ(further[0]["square"], alone.square);
+  EXPECT_EQ(further[0]["top"], other["surface"]["after"]["highest_grains"]["top"]);
+  EXPECT_NE(further[0]["top"], told["surface"]["after"]["highest_grains"]["top"]);
   EXPECT_TRUE(told["packing_fraction"]["before"].is_null());
   EXPECT_TRUE(told["packing_fraction"]["after"].is_number());
   EXPECT_TRUE(told["thickness"]["se"].is_number());
