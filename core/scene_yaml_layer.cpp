@@ -62,8 +62,11 @@ void read_surface(const YamlReader& reader, LayerSetup& layer) {
   fits(reader.at("square"), layer.square);
   if (reader.has("further_squares"))
     for (const YamlReader& item : reader.at("further_squares").items()) {
-      layer.further_squares.push_back(item.number(length));
-      fits(item, layer.further_squares.back());
+      const double square = item.number(length);
+      fits(item, square);
+      const auto same = [&](double other) { return std::abs(other - square) < 1e-3 * square; };
+      if (same(layer.square) || std::any_of(layer.further_squares.begin(), layer.further_squares.end(), same)) item.fail("is told already", "give each size once");
+      layer.further_squares.push_back(square);
     }
   for (const auto& [key, index] : {std::pair{"s_filter", layer.s_filter}, {"l_filter", layer.l_filter}})
     if (index > 0 && index < least_filter_cells * layer.cell)

@@ -108,6 +108,7 @@ Chart force_chart(const Diagnosis& d) {
   std::size_t unseen = 0;
   double until = 0;
   for (const Located& l : d.where) {
+    if (l.segment.phase == Phase::impact) continue;  // told as a mean over the samples beside it, far below what acts in the moment
     const ForceAgainstMotion force = against_motion(l);
     // A stretch whose error is as large as a body's weight says nothing and would only stretch the axis.
     if (!std::isfinite(force.se) || (l.mass > 0 && force.se > 9.81 * l.mass)) {

@@ -1,3 +1,5 @@
+#include <fmt/core.h>
+
 #include <mutex>
 
 #include "core/error.hpp"
@@ -18,7 +20,7 @@ void tell_surface(json& o, const std::string& when, const BedSurface& s) {
       {"packing", s.packing.fraction}, {"coverage", s.coverage}};
   for (const auto& [name, value] : values) o[name + ("_" + when)] = value ? json(*value) : json(nullptr);
   for (const SquareFigures& squares : s.squares) {
-    const std::string size = &squares == &s.squares.front() ? "" : fmt::format("_{:.0f}um", squares.square * um);
+    const std::string size = &squares == &s.squares.front() ? "" : fmt::format("_{:g}um", squares.square * um);
     for (const auto& [of, f] : {std::pair{"centres", &squares.centres}, {"tops", &squares.tops}}) {
       const auto told = [&](const char* name, auto&& value) { o[std::string(name) + "_" + of + size + "_" + when] = f->n > 0 ? json(value()) : json(nullptr); };
       told("sd", [&] { return f->sd; });

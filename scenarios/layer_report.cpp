@@ -294,17 +294,18 @@ Table highest_table(const LayerMeasurement& m) {
 Table squares_table(const LayerMeasurement& m) {
   Table t;
   t.title = "Highest grains by the size of the squares";
-  t.header = {"squares [µm]", "heights [µm]", "lowest before", "highest", "sd", "lowest after", "highest", "sd", "sd after / before"};
+  t.header = {"squares [µm]", "heights [µm]", "squares counted", "lowest before", "highest", "sd", "lowest after", "highest", "sd", "sd after / before"};
   for (std::size_t k = 0; k < m.after.squares.size(); ++k)
     for (const auto& [name, of] : {std::pair{"centres", &SquareFigures::centres}, {"tops", &SquareFigures::tops}}) {
       const HeightFigures &before = m.before.squares[k].*of, &after = m.after.squares[k].*of;
       std::vector<std::string> cells{fmt::format("{:.0f}", m.after.squares[k].square * um), name};
+      cells.push_back(before.n == after.n ? fmt::format("{}", after.n) : fmt::format("{}, {}", before.n, after.n));
       for (const HeightFigures* f : {&before, &after})
         for (const double value : {f->min, f->max, f->sd}) cells.push_back(f->n > 0 ? fmt::format("{:.1f}", value * um) : dash);
       cells.push_back(before.n > 0 && after.n > 0 && before.sd > 0 ? fmt::format("{:.2f}", after.sd / before.sd) : dash);
       t.rows.push_back(std::move(cells));
     }
-  t.notes = {"The highest grain of a larger square is chosen from more grains: it is higher, and scatters less. Extremes depend on the area of the region."};
+  t.notes = {"The highest grain of a larger square is chosen from more grains: it is higher, and scatters less. Extremes depend on the area, which is that of whole squares: of large ones somewhat less fits into the region."};
   return t;
 }
 

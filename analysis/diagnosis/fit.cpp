@@ -130,7 +130,7 @@ class Prior final : public ceres::CostFunction {
     for (std::size_t i = 0; i < n; ++i) {
       const Parameter& p = own_.parameters[i];
       const double slope = p.prior_sd > 0 ? own_.unit(i) / p.prior_sd : 0;
-      residuals[i] = slope * (blocks[0][i] - own_.to(i, p.start));
+      residuals[i] = slope * (blocks[0][i] - own_.to(i, p.begin()));
       if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][i * n + i] = slope;
     }
     return true;

@@ -52,10 +52,10 @@ struct Parameter {
   double step = 1e-6;   ///< for finite differences
   double read = std::numeric_limits<double>::quiet_NaN();  ///< a start value as read off the data; `start` may have moved to where the nominal fit led
   double told = std::numeric_limits<double>::quiet_NaN();  ///< a start value as the scene has it
-  double prior_sd = 0;  ///< of a weak prior about `start`, for what a run does not determine; 0: none
+  double prior_sd = 0;  ///< of a weak prior about begin(), for what a run does not determine; 0: none
   bool logarithmic = false;
 
-  /// A start value as the data have it; where a fit of anything else begins.
+  /// A start value as the data have it (or, of a body's mass, the scene); of anything else where a fit begins.
   double begin() const { return std::isfinite(read) ? read : start; }
 };
 

@@ -11,7 +11,9 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double visible = 1;         // sigma: a component whose whole weight moves the record by less cannot be estimated
-constexpr double stands_out_alike = 0.5;  // in deviates
+constexpr double stands_out_alike = 0.5;  // in strengths (probe.hpp): what a force that stays the same from piece to piece may lack of what acts
+constexpr std::size_t most_together = 12;  // pieces: a body that chatters has hundreds
+constexpr double near_enough = 1.5;        // times the sum of the radii of equal volume, for bodies that are no balls
 constexpr double trial_share = 0.02;  // of a body's weight: small against what matters, large against rounding
 
 /// The observable of the run that moves most with the direction d.
@@ -29,21 +31,11 @@ std::string most_moved(const RunData& data, const Eigen::VectorXd& d) {
 }
 
 void sort_by_p(std::vector<Located>& entries) {
-  std::sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
+  std::stable_sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
 }
 
-/// The force is the mean over the time of both, p the smaller.
-Located joined(Located a, const Located& b) {
-  const double before = a.segment.to - a.segment.from, more = b.segment.to - b.segment.from, both = before + more;
-  a.force = (before * a.force + more * b.force) / both;
-  a.force_se = ((before * a.force_se).cwiseAbs2() + (more * b.force_se).cwiseAbs2()).cwiseSqrt() / both;
-  a.p = std::min(a.p, b.p);
-  a.segment = joined(a.segment, b.segment);
-  return a;
-}
-
-/// Two bodies that are hit at the same time: by each other, as far as their paths tell.
-bool hit_each_other(const Segment& a, const Segment& b) {
+/// Pieces of two bodies, in which both are hit at the same time.
+bool hit_together(const Segment& a, const Segment& b) {
   return a.phase == Phase::impact && b.phase == Phase::impact && a.body < b.body && a.from < b.to && b.from < a.to;
 }
 
@@ -57,8 +49,11 @@ Located as_seen(Located impact, const RunData& data) {
   impact.segment.from = std::max(0.0, impact.segment.from - sample);
   impact.segment.to = std::min(data.horizon, impact.segment.to + sample);
   const double share = before / std::max(impact.segment.to - impact.segment.from, before);
-  impact.force *= share;
-  impact.force_se *= share;
+  for (int k = 0; k < 3; ++k)
+    if (impact.force[k] != 0) {  // a component that cannot be seen stays as unknown as it was
+      impact.force[k] *= share;
+      impact.force_se[k] *= share;
+    }
   return impact;
 }
 
@@ -66,7 +61,8 @@ Located as_seen(Located impact, const RunData& data) {
 struct Window {
   std::size_t first, last;
   Phase phase;
-  double deviate;
+  double strength;
+  double lasts;  ///< from the beginning of the first to the end of the last [s]
 
   bool overlaps(const Window& other) const { return phase == other.phase && first <= other.last && other.first <= last; }
   bool contains(const Window& other) const { return phase == other.phase && first <= other.first && other.last <= last; }
@@ -75,14 +71,14 @@ struct Window {
 /// Those that stand out most and do not overlap. What acts does so all along a phase more often than in a part of it, and forces that stay the same
 /// from piece to piece are only nearly what acts: of windows that stand out alike, the longest.
 std::vector<Window> disjoint(std::vector<Window> windows) {
-  std::sort(windows.begin(), windows.end(), [](const Window& a, const Window& b) { return a.deviate > b.deviate; });
+  std::stable_sort(windows.begin(), windows.end(), [](const Window& a, const Window& b) { return a.strength > b.strength; });
   std::vector<Window> taken;
   const auto is_free = [&](const Window& w) { return std::none_of(taken.begin(), taken.end(), [&](const Window& t) { return t.overlaps(w); }); };
   for (const Window& most : windows) {
     if (!is_free(most)) continue;
     Window longest = most;
     for (const Window& w : windows)
-      if (w.contains(longest) && w.deviate > most.deviate - stands_out_alike && is_free(w)) longest = w;
+      if (w.contains(most) && w.strength > most.strength - stands_out_alike && w.lasts > longest.lasts && is_free(w)) longest = w;
     taken.push_back(longest);
   }
   return taken;
@@ -107,7 +103,7 @@ class Locating {
     for (const auto& [body, track] : history.bodies)
       if (std::any_of(data.channels.begin(), data.channels.end(), [&, name = body](const Channel& c) { return c.body == name; }))
         test_pieces(history, body);
-    test_contact_impulses();
+    test_contact_impulses(history);
     estimate_forces();
   }
 
@@ -117,10 +113,7 @@ class Locating {
     for (Located& e : entries_) e.p = null.p(e.deviate);
     Places places;
     for (const Window& w : disjoint(std::move(windows_))) {
-      Located stretch = entries_[w.first];
-      for (std::size_t n = w.first + 1; n <= w.last; ++n)
-        if (entries_[n].segment.phase == stretch.segment.phase) stretch = joined(std::move(stretch), entries_[n]);
-      stretch.deviate = w.deviate;
+      Located stretch = stretch_of(w);
       if (stretch.segment.phase == Phase::impact) stretch = as_seen(std::move(stretch), problem_.runs()[stretch.run]);
       places.stretches.push_back(stretch);
     }
@@ -131,6 +124,27 @@ class Locating {
   }
 
  private:
+  /// The force is the mean over the time in the phase, p and deviate those of the piece that stands out most.
+  Located stretch_of(const Window& window) const {
+    Located stretch = entries_[window.first];
+    Vec3 impulse = Vec3::Zero(), variance = Vec3::Zero();
+    double lasts = 0;
+    for (std::size_t n = window.first; n <= window.last; ++n) {
+      const Located& piece = entries_[n];
+      if (piece.segment.phase != stretch.segment.phase) continue;
+      if (n > window.first) stretch.segment = joined(stretch.segment, piece.segment);
+      const double time = piece.segment.to - piece.segment.from;
+      impulse += time * piece.force;
+      variance += (time * piece.force_se).cwiseAbs2();
+      lasts += time;
+      stretch.p = std::min(stretch.p, piece.p);
+      stretch.deviate = std::max(stretch.deviate, piece.deviate);
+    }
+    stretch.force = impulse / lasts;
+    stretch.force_se = variance.cwiseSqrt() / lasts;
+    return stretch;
+  }
+
   /// What a force of the body's weight during the segment does to the residual of the run, along x, y and z.
   Eigen::MatrixXd response(const Segment& segment, double weight) const {
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size_, 3);
@@ -149,6 +163,7 @@ class Locating {
   }
 
   double deviate_of(const Probe& probe) const { return deviate(gain_of(probe, nuisance_.residual()), probe.basis.cols()); }
+  double strength_of(const Probe& probe) const { return strength(gain_of(probe, nuisance_.residual()), probe.basis.cols()); }
 
   void test_pieces(const History& history, const std::string& body) {
     std::vector<std::size_t> alike;  // entries of the phase that lasts, but for impacts
@@ -165,22 +180,28 @@ class Locating {
         continue;
       }
       entry.deviate = deviate_of(probe);
+      const double alone = strength_of(probe);
       probes_.push_back(std::move(probe));
       responses_.conservativeResize(Eigen::NoChange, responses_.cols() + 3);
       responses_.rightCols(3) = columns;
       const std::size_t place = entries_.size();
       entries_.push_back(entry);
-      windows_.push_back({place, place, segment.phase, entry.deviate});
-      if (segment.phase == Phase::impact) continue;
+      if (segment.phase == Phase::impact) {
+        windows_.push_back({place, place, segment.phase, alone, segment.to - segment.from});
+        continue;
+      }
       if (!alike.empty() && entries_[alike.back()].segment.phase != segment.phase) alike.clear();
       alike.push_back(place);
+      if (alike.size() > most_together) alike.erase(alike.begin());
       test_together(alike);
     }
   }
 
-  /// The last few of `alike` under one force, which stays as it is or holds the body up wherever it goes, as friction does and drag: responses add.
+  /// The last few of `alike`, down to the last alone, under one force, which stays as it is or is against the motion, as friction and drag are:
+  /// responses add.
   void test_together(const std::vector<std::size_t>& alike) {
     Eigen::MatrixXd constant = Eigen::MatrixXd::Zero(size_, 3), friction = Eigen::MatrixXd::Zero(size_, 1), drag = friction;
+    const Segment& last = entries_[alike.back()].segment;
     for (std::size_t n = alike.size(); n-- > 0;) {
       const Eigen::MatrixXd columns = response_of(alike[n]);
       const Segment& segment = entries_[alike[n]].segment;
@@ -188,34 +209,35 @@ class Locating {
       constant += columns;
       friction -= columns * along;
       drag -= columns * segment.velocity.squaredNorm() * along;
-      if (n + 1 == alike.size()) continue;  // one alone is tested already
-      double most = deviate_of(probe_of(constant));
-      for (const Eigen::MatrixXd& against : {friction, drag})
-        if (const Probe probe = probe_of(against); probe.basis.cols() > 0) most = std::max(most, deviate_of(probe));
-      windows_.push_back({alike[n], alike.back(), segment.phase, most});
+      double most = strength_of(probe_of(constant));
+      for (const Eigen::MatrixXd& against : {friction, drag}) most = std::max(most, strength_of(probe_of(against)));
+      windows_.push_back({alike[n], alike.back(), segment.phase, most, last.to - segment.from});
     }
   }
 
   Eigen::MatrixXd response_of(std::size_t entry) const { return responses_.middleCols(static_cast<Eigen::Index>(3 * (entry - first_entry_)), 3); }
 
   /// What a contact does to one body in an impact it does to the other the other way round: a wrong law of contact shows in both.
-  void test_contact_impulses() {
+  void test_contact_impulses(const History& history) {
+    const auto touch = [&](const Segment& a, const Segment& b) {
+      const Vec3 apart = sample(history, history.bodies.at(a.body), a.from).position - sample(history, history.bodies.at(b.body), a.from).position;
+      return apart.norm() < near_enough * (history.radius.at(a.body) + history.radius.at(b.body));
+    };
     for (std::size_t m = first_entry_; m < entries_.size(); ++m)
       for (std::size_t n = first_entry_; n < entries_.size(); ++n) {
-        if (!hit_each_other(entries_[m].segment, entries_[n].segment)) continue;
+        if (!hit_together(entries_[m].segment, entries_[n].segment) || !touch(entries_[m].segment, entries_[n].segment)) continue;
         const auto impulse = [&](std::size_t e) -> Eigen::MatrixXd {  // responses are those to the weight of the body for the time of the piece
           const Located& l = entries_[e];
           return response_of(e) / (l.mass * (l.segment.to - l.segment.from));
         };
         Probe probe = probe_of(impulse(m) - impulse(n));
         if (probe.basis.cols() == 0) continue;
-        const double together = deviate_of(probe);
-        probes_.push_back(std::move(probe));
         for (const std::size_t e : {m, n}) {
-          entries_[e].deviate = std::max(entries_[e].deviate, together);
+          entries_[e].deviate = std::max(entries_[e].deviate, deviate_of(probe));
           for (std::size_t w = first_window_; w < windows_.size(); ++w)
-            if (windows_[w].first == e && windows_[w].last == e) windows_[w].deviate = entries_[e].deviate;
+            if (windows_[w].first == e) windows_[w].strength = std::max(windows_[w].strength, strength_of(probe));
         }
+        probes_.push_back(std::move(probe));
       }
   }
 

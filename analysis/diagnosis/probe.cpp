@@ -51,6 +51,14 @@ double deviate(double gain, Eigen::Index k) {
   return (std::cbrt(gain / n) - 1 + width) / std::sqrt(width);
 }
 
+double strength(double gain, Eigen::Index k) {
+  if (k == 0) return 0;
+  constexpr double far_out = 200;  // P is near 1e-43 there, and the leading term of its asymptotic series good to a hundredth
+  const double half = 0.5 * static_cast<double>(k);
+  const double ln_p = gain < far_out ? std::log(p_of_chi2(gain, k)) : -0.5 * gain + (half - 1) * std::log(0.5 * gain) - std::lgamma(half);
+  return std::sqrt(std::max(0.0, -2 * ln_p));
+}
+
 double p_of_chi2(double chi2, Eigen::Index degrees) {
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(static_cast<double>(degrees)), chi2));
 }

@@ -21,6 +21,10 @@ double gain_of(const Probe& probe, const Eigen::VectorXd& residual);
 ///   z = ((gain / k)^(1/3) - 1 + 2 / (9 k)) / sqrt(2 / (9 k));    no probe: -infinity
 double deviate(double gain, Eigen::Index k);
 
+/// sqrt(-2 ln P(chi^2 of k degrees >= gain)): nearly the normal deviate, and of the same order as the tail far out in it too, where the cube root of
+/// deviate() takes few degrees for weaker than they are.
+double strength(double gain, Eigen::Index k);
+
 /// Share of pure noise of so many degrees of freedom that reaches chi^2.
 double p_of_chi2(double chi2, Eigen::Index degrees);
 

@@ -32,6 +32,28 @@ TEST(Nuisance, TakesOutWhatStartValuesImitate) {
   EXPECT_NEAR(left.col(0).dot(line.col(0)) / line.norm(), 0, 1e-6);
 }
 
+TEST(Screening, BeginsWhereTheDataSayEvenIfRunsWereFollowedFromElsewhere) {
+  const Bundle bundle = flights({.velocities = {{3, 0, 2}, {2, 1, 2}, {4, -1, 2}, {1, 2, 2}}, .truth = "{uniform_force: {force: [0.01, 0, 0]}}"});
+  // A world that bends away from those who start elsewhere, as a ball does that misses what it should hit.
+  Problem problem(bundle, all(bundle), [](const SimulationRequest& request) {
+    History history = fly(request);
+    const double off = request.scene->bodies[0].velocity.z() - 2;
+    for (std::size_t i = 0; i < history.time.size(); ++i) history.bodies["ball"].position[i].z() += 10 * off * off * std::max(0.0, history.time[i] - 0.3);
+    return history;
+  });
+  // As if the nominal had led its start values astray.
+  for (std::size_t run = 0; run < problem.runs().size(); ++run) {
+    Values astray(3);
+    for (Eigen::Index i = 0; i < 3; ++i) astray[i] = problem.runs()[run].start[static_cast<std::size_t>(i)].start + 1;
+    problem.follow(run, astray, Eigen::MatrixXd::Zero(3, 1));
+  }
+  const Fit fit = start_of(problem, problem.layout({}), all(bundle));
+  ASSERT_GT(fit.per_dof(), 1000);
+  const Screened s = screen(problem, fit, Nuisance(problem, fit), term("uniform_force"), 10);
+  EXPECT_TRUE(s.from_data);
+  EXPECT_NEAR(s.shared_start[0], 0.01, 0.01);
+}
+
 TEST(Screening, GainIsThatOfLeastSquares) {
   const Bundle bundle = flights({.truth = "{uniform_force: {force: [0.0008, 0, 0]}}"});
   const Problem problem(bundle, all(bundle), fly);
@@ -177,6 +199,12 @@ TEST(Probe, OneSidedCountsOnlyAgainstTheDirection) {
 TEST(Probe, DeviatesOfDifferentDimensionsAreAlike) {
   // 99 % quantiles of chi^2 with 1, 3 and 10 degrees of freedom.
   for (const auto& [gain, k] : {std::pair{6.635, 1}, {11.345, 3}, {23.209, 10}}) EXPECT_NEAR(deviate(gain, k), 2.326, 0.06) << k;
+  // Strengths: one in a hundred is one in a hundred, and far out in the tail the order of chances is kept where that of deviates is not.
+  for (const auto& [gain, k] : {std::pair{6.635, 1}, {11.345, 3}, {23.209, 10}}) EXPECT_NEAR(strength(gain, k), std::sqrt(2 * std::log(100)), 1e-3) << k;
+  for (const Eigen::Index k : {1, 3, 10}) EXPECT_NEAR(strength(200.001, k), strength(199.999, k), 0.02) << k;
+  EXPECT_GT(strength(1300, 1), strength(1000, 3));
+  EXPECT_GT(strength(1e6, 1), strength(1e6, 3));
+  EXPECT_EQ(strength(0, 3), 0);
 }
 
 TEST(Probe, ShareOfNoiseThatReachesChi2) {

@@ -292,9 +292,14 @@ TEST(SceneYaml, FiltersOfALayerFitItsGrid) {
   EXPECT_DOUBLE_EQ(scene.layer->s_filter, 15e-6);
   EXPECT_DOUBLE_EQ(scene.layer->l_filter, 500e-6);
   EXPECT_NO_THROW(layer("s_filter: 0, l_filter: 0"));
-  EXPECT_EQ(layer("further_squares: [0.1 mm, 200 um]").layer->further_squares, (std::vector<double>{1e-4, 2e-4}));
+  const std::vector<double> further = layer("further_squares: [0.1 mm, 200 um]").layer->further_squares;
+  ASSERT_EQ(further.size(), 2U);
+  EXPECT_DOUBLE_EQ(further[0], 1e-4);
+  EXPECT_DOUBLE_EQ(further[1], 2e-4);
   EXPECT_THROW(layer("further_squares: [2 mm]"), Error);
   EXPECT_THROW(layer("further_squares: 0.1 mm"), Error);
+  EXPECT_THROW(layer("further_squares: [50 um]"), Error);
+  EXPECT_THROW(layer("further_squares: [0.1 mm, 100 um]"), Error);
   for (const char* nonsense : {"s_filter: 14 um", "l_filter: 1 um", "l_filter: 14 um", "s_filter: 50 um, l_filter: 50 um", "s_filter: 1.1 mm", "s_filter: -20 um", "l_filter: 1 s"}) {
     try {
       layer(nonsense);

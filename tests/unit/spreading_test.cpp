@@ -253,11 +253,11 @@ TEST(Layer, OnABarePlateIsThePlateWhereNoGrainLies) {
   for (const char* key : {"Ssk", "Sku", "Sal"}) EXPECT_TRUE(told["surface"]["before"][key].is_null()) << key;
   EXPECT_TRUE(told["surface"]["before"]["highest_grains"]["top"]["mean"].is_null());
   // Squares of other sizes are those that a run with this size would take.
-  const auto& further = told["surface"]["after"]["highest_grains"]["further"];
-  ASSERT_EQ(further.size(), c.setup.further_squares.size());
-  ASSERT_FALSE(further.empty());
-  LayerSetup alone = c.setup;
-  alone.square = alone.further_squares.front();
+  LayerSetup alone = c.setup, both = c.setup;
+  both.further_squares = {alone.square = 100e-6};
+  const nlohmann::json of_both = layer_json(measure_layer(both, c.bed, c.bed.initial, after, {}, 110e-6, -1e-3), both, {}, {});
+  const auto& further = of_both["surface"]["after"]["highest_grains"]["further"];
+  ASSERT_EQ(further.size(), 1U);
   const nlohmann::json other = layer_json(measure_layer(alone, c.bed, c.bed.initial, after, {}, 110e-6, -1e-3), alone, {}, {});
   EXPECT_EQ(further[0]["square"], alone.square);
   EXPECT_EQ(further[0]["top"], other["surface"]["after"]["highest_grains"]["top"]);
