@@ -254,7 +254,7 @@ TEST(Layer, OnABarePlateIsThePlateWhereNoGrainLies) {
   EXPECT_TRUE(told["surface"]["before"]["highest_grains"]["top"]["mean"].is_null());
   // Squares of other sizes are those that a run with this size would take.
   LayerSetup alone = c.setup, both = c.setup;
-  both.further_squares = {alone.square = 100e-6};
+  both.further_squares = {alone.square = 200e-6};  // wide enough for more than one of these grains
   const nlohmann::json of_both = layer_json(measure_layer(both, c.bed, c.bed.initial, after, {}, 110e-6, -1e-3), both, {}, {});
   const auto& further = of_both["surface"]["after"]["highest_grains"]["further"];
   ASSERT_EQ(further.size(), 1U);
