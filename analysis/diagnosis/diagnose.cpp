@@ -203,7 +203,7 @@ class Diagnosing {
     // Where a model leaves plainly more than noise, its slopes say nothing of what another value would be worth.
     // The same holds where paths jump with an engine's step.
     const bool poor = !model.fit.layout.numerics.backend.empty() || model.fit.per_dof() > plainly_more_than_noise || model.held_fit.per_dof() > plainly_more_than_noise;
-    if (!held_.empty() && !poor && !interrupted()) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale);
+    if (!held_.empty() && !poor && !interrupted()) model.predicted += worth_of_uncertainty(problem_, model.fit, model.held_fit, model.scale, fit_options_);
   }
 
   void weigh_all() {

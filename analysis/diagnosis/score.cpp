@@ -1,5 +1,6 @@
 #include "analysis/diagnosis/score.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Dense>
@@ -35,8 +36,9 @@ Score score_of(const Problem& problem, const Fit& fit) {
   return score;
 }
 
-double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale) {
+double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale, const FitOptions& options) {
   constexpr double rounding = 1e-9;  // of the information, for directions that no run shows
+  constexpr double worth_a_look = 2; // nats
   const auto n = static_cast<Eigen::Index>(fit.layout.shared.size());
   if (n == 0 || !std::isfinite(held.chi2)) return 0;
   Eigen::MatrixXd known = information_of(problem, fit) / (scale * scale), more = Eigen::MatrixXd::Zero(n, n);
@@ -55,7 +57,20 @@ double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& h
   if (of_both.info() != Eigen::Success || of_known.info() != Eigen::Success) return 0;
   const Eigen::VectorXd g = unit.asDiagonal() * slope;
   const auto half_log_det = [](const Eigen::LLT<Eigen::MatrixXd>& llt) { return llt.matrixLLT().diagonal().array().log().sum(); };
-  return 0.5 * g.dot(of_both.solve(g)) - (half_log_det(of_both) - half_log_det(of_known));
+  const Eigen::VectorXd step = of_both.solve(g);
+  double gain = 0.5 * g.dot(step);
+  if (gain > worth_a_look) {  // slopes may promise what a simulation there does not keep, as that of a viscosity of nothing does
+    Fit there = held;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Parameter& p = held.layout.shared[static_cast<std::size_t>(i)];
+      there.shared[i] = std::clamp(held.shared[i] - unit[i] * step[i], p.lower, p.upper);
+    }
+    there = minimise_own(problem, evaluated(problem, std::move(there)), held.runs, options);
+    const Eigen::VectorXd went = unit.cwiseInverse().asDiagonal() * (there.shared - held.shared);
+    const double kept = std::isfinite(there.chi2) ? 0.5 * (held.chi2 - there.chi2 - went.dot(known * went)) : 0;
+    gain = std::clamp(kept, 0.0, gain);
+  }
+  return gain - (half_log_det(of_both) - half_log_det(of_known));
 }
 
 PairedGain paired_gain(std::span<const double> nominal, std::span<const double> extended) {

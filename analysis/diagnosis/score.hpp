@@ -27,8 +27,9 @@ Score score_of(const Problem& problem, const Fit& fit);
 ///   g' (A + B)^-1 g / 2 - ln(det(A + B) / det B) / 2
 /// B, A: information on the shared parameters in the fitted and the held-out runs, start values taken out; g: slope of chi^2 / 2 in the latter. A
 /// parameter that the fitted runs hardly determine is not held against its model for the value that they happened to give. B is divided by the
-/// square of `scale`, of the fitted residuals in units of the noise. 0 without shared parameters.
-double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale);
+/// square of `scale`, of the fitted residuals in units of the noise. The first term counts as far as a simulation with the values that it stands for (start
+/// values fitted anew) bears it out. 0 without shared parameters.
+double worth_of_uncertainty(const Problem& problem, const Fit& fit, const Fit& held, double scale, const FitOptions& options);
 
 /// The extended model against the nominal on the same runs.
 struct PairedGain {

@@ -386,10 +386,31 @@ TEST(Score, CountsHowWellTheFrozenPhysicsIsKnown) {
   const Fit train = fitted({0}), both = fitted({0, 1, 2, 3}), held = minimise_own(problem, train, {1, 2, 3}, steps(50));
   const Eigen::MatrixXd known = information_of(problem, train), more = information_of(problem, held);
   const double exact = 0.5 * (train.chi2 + held.chi2 - both.chi2) - 0.5 * std::log((known + more).determinant() / known.determinant());
-  EXPECT_NEAR(worth_of_uncertainty(problem, train, held, 1), exact, 0.02);
+  EXPECT_NEAR(worth_of_uncertainty(problem, train, held, 1, {}), exact, 0.02);
   EXPECT_GT(std::abs(exact), 0.1);
   const Fit nominal = minimise(problem, start_of(problem, problem.layout({}), {0}), {});
-  EXPECT_EQ(worth_of_uncertainty(problem, nominal, minimise_own(problem, nominal, {1}, {}), 1), 0);
+  EXPECT_EQ(worth_of_uncertainty(problem, nominal, minimise_own(problem, nominal, {1}, {}), 1, {}), 0);
+}
+
+TEST(Score, DoesNotBelieveSlopesThatASimulationDoesNotBearOut) {
+  const Bundle bundle = flights({.truth = "{uniform_force: {force: [0.003, 0, 0]}}"});
+  // A world in which no force pushes harder than the one that was fitted.
+  const auto worth = [&](double hardest) {
+    const Problem problem(bundle, all(bundle), [hardest](const SimulationRequest& request) {
+      Scene scene = *request.scene;
+      for (Effect& effect : scene.effects)
+        if (auto* force = std::get_if<UniformForce>(&effect)) force->force.x() = std::min(force->force.x(), hardest);
+      SimulationRequest there = request;
+      there.scene = &scene;
+      return fly(there);
+    });
+    Fit fit = start_of(problem, problem.layout(of("uniform_force")), {0});
+    fit.shared[0] = 0.001;
+    fit = minimise_own(problem, evaluated(problem, std::move(fit)), {0}, steps(50));
+    return worth_of_uncertainty(problem, fit, minimise_own(problem, fit, {1, 2, 3}, steps(50)), 1, steps(50));
+  };
+  EXPECT_GT(worth(1), 2);
+  EXPECT_LT(worth(0.001), 0);
 }
 
 TEST(Score, OfTwoModelsIsPairedByRun) {
