@@ -294,7 +294,7 @@ Table highest_table(const LayerMeasurement& m) {
 Table squares_table(const LayerMeasurement& m) {
   Table t;
   t.title = "Highest grains by the size of the squares";
-  t.header = {"squares [µm]", "heights [µm]", "squares counted", "lowest before", "highest", "sd", "lowest after", "highest", "sd", "sd after / before"};
+  t.header = {"squares [µm]", "of", "n", "before: min", "max", "sd", "after: min", "max", "sd", "sd ratio"};
   for (std::size_t k = 0; k < m.after.squares.size(); ++k)
     for (const auto& [name, of] : {std::pair{"centres", &SquareFigures::centres}, {"tops", &SquareFigures::tops}}) {
       const HeightFigures &before = m.before.squares[k].*of, &after = m.after.squares[k].*of;
@@ -305,7 +305,7 @@ Table squares_table(const LayerMeasurement& m) {
       cells.push_back(before.n > 0 && after.n > 0 && before.sd > 0 ? fmt::format("{:.2f}", after.sd / before.sd) : dash);
       t.rows.push_back(std::move(cells));
     }
-  t.notes = {"The highest grain of a larger square is chosen from more grains: it is higher, and scatters less. Extremes depend on the area, which is that of whole squares: of large ones somewhat less fits into the region."};
+  t.notes = {"Heights in µm; n: squares counted; sd ratio: after over before. The highest grain of a larger square is chosen from more grains: it is higher, and scatters less. Extremes depend on the area, which is that of whole squares: of large ones somewhat less fits into the region."};
   return t;
 }
 
