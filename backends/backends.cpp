@@ -20,7 +20,7 @@ std::span<const Backend> backends() {
               bullet::unsupported, bullet::make_world},
 #ifdef REPOSE_HAS_DART
       Backend{"dart", "DART 6.12: collision by FCL, each island of contacts solved directly; a reference for small scenes",
-              dart::unsupported, dart::make_world},
+              dart::unsupported, dart::make_world, true, false, 100},
 #endif
   };
   return table;

@@ -2,6 +2,7 @@
 /// The interface of a backend: a world that steps, tells its state and contacts, and can be saved and restored.
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -92,6 +93,7 @@ struct Backend {
   std::unique_ptr<World> (*make)(const Model&, const SolverOptions&);
   bool has_tolerance = true;  ///< false: SolverOptions::tolerance changes nothing (a direct solver)
   bool has_second_order = false;  ///< knows Integration::second_order; if not, make() refuses it
+  std::size_t most_grains = std::numeric_limits<std::size_t>::max();  ///< beyond these a step takes seconds: it is asked only where it is named
 };
 
 }  // namespace repose

@@ -82,7 +82,12 @@ json summaries_json(const BulkDiagnosis& d) {
   return list;
 }
 
-const EffectRow* first_effect(const BulkFitted& best) { return best.model.candidate.hypothesis.terms.front().row; }
+/// What the effects claim, one sentence each.
+std::string claims_of(const BulkFitted& best) {
+  std::string text;
+  for (const Term& term : best.model.candidate.hypothesis.terms) text += (text.empty() ? "" : " ") + term.row->claim;
+  return text;
+}
 
 }  // namespace
 
@@ -118,6 +123,7 @@ json bulk_diagnosis_json(const BulkDiagnosis& d, const Bundle& bundle) {
   result["fit"]["heldout"] = {{"runs", runs_json(nominal.held_out, bundle)}, {"nominal", score_json(nominal.held_out)}, {"extended", score_json(best.held_out)},
                               {"paired_p", d.paired_p}, {"effect_size", d.effect_size}};
   result["extended_scene"] = "extended.yaml";
+  if (!best.model.candidate.backend.empty()) result["extended_backend"] = best.model.candidate.backend;
   result["summaries"] = summaries_json(d);
   result["tested"] = json::array();
   for (const Eigen::Index k : d.data.tested) result["tested"].push_back(d.data.summaries[static_cast<std::size_t>(k)].name);
@@ -148,6 +154,7 @@ std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
   if (d.verdict.word == "unknown" || d.best == 0) return text + "Something is missing that no candidate explains.";
   const BulkFitted& best = d.models[d.best];
   std::string name = best.model.candidate.hypothesis.label();
+  if (!best.model.candidate.backend.empty()) name += " (" + best.model.candidate.backend + ")";
   for (const BulkEstimate& e : best.estimates)
     if (!e.effect.empty()) name += fmt::format(", {} = {:.3g}{} ({:.3g} to {:.3g})", e.name, e.value, e.unit == "1" ? "" : " " + e.unit, e.lower, e.upper);
   if (d.verdict.word == "ambiguous") {
@@ -156,13 +163,13 @@ std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
       if (other != best.model.candidate.hypothesis.names().front()) rivals.push_back(other);
     text += fmt::format("The best explanation is {}; these observables cannot tell it from {}.", name, fmt::join(rivals, ", "));
   } else {
-    text += name + " explains it.";
+    text += name + (best.model.candidate.hypothesis.terms.size() > 1 ? " explain it." : " explains it.");
   }
   if (!best.held_out.runs.empty())
     text += fmt::format(" On {} recordings that were not used, chi^2 per number falls from {:.3g} to {:.3g}.", best.held_out.runs.size(), d.models.front().held_out.chi2_per_dof,
                         best.held_out.chi2_per_dof);
   for (const SuggestedRecording& s : d.suggested) text += fmt::format(" To tell {} from {}: {} (chance {:.0f} %).", s.first, s.second, s.what, 100 * s.power);
-  return text + " Claim: " + first_effect(best)->claim;
+  return text + (best.model.candidate.hypothesis.terms.size() > 1 ? " Claims: " : " Claim: ") + claims_of(best);
 }
 
 }  // namespace repose

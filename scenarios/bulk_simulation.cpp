@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "analysis/heap_measurement.hpp"
@@ -158,23 +159,28 @@ diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle&
   return [&backend, &bundle, how = std::move(how), shown](const std::string& stage,
                                                           const std::vector<diagnosis::BulkRequest>& requests) -> std::optional<std::vector<diagnosis::BulkOutcome>> {
     const std::string build = fmt::format("{} {} {}", version(), commit(), fmt::join(shown.series, " "));
+    const auto engine_of = [&](const diagnosis::BulkRequest& request) -> const Backend& { return request.backend.empty() ? backend : find_backend(request.backend); };
     std::vector<Job> jobs;
-    for (std::size_t i = 0; i < requests.size(); ++i) jobs.push_back({i, requests[i].seed, job_key(requests[i].scene, requests[i].seed, backend.name, build)});
+    for (std::size_t i = 0; i < requests.size(); ++i) jobs.push_back({i, requests[i].seed, job_key(requests[i].scene, requests[i].seed, engine_of(requests[i]).name, build)});
     JobsHooks hooks;
     hooks.interrupted = interrupted;
     hooks.progress = [&](const JobsProgress& p) {
       if (how.progress) how.progress(stage, p);
     };
-    Options options;
-    options.backend = backend.name;
-    options.allow_unsupported = how.allow_unsupported;
-    options.force = true;  // a value that is tried may be absurd
-    LayerRuns layers(options, LayerRuns::Beds::dropped);
+    std::map<std::string, LayerRuns> layers;
+    for (const diagnosis::BulkRequest& request : requests) {
+      Options options;
+      options.backend = engine_of(request).name;
+      options.allow_unsupported = how.allow_unsupported;
+      options.force = true;  // a value that is tried may be absurd
+      layers.try_emplace(options.backend, options, LayerRuns::Beds::dropped);
+    }
     const auto simulate = [&](const Job& job) -> std::optional<json> {
       try {
         Scene scene = parse_scene(requests[job.scene].scene, bundle.scene_file.string(), {}, bundle.scene_file.parent_path());
         scene.solver.threads = 1;
-        return scene.layer ? spread_one(layers, scene, job.seed) : simulate_one(backend, scene, job.seed, shown, how.allow_unsupported);
+        const Backend& engine = engine_of(requests[job.scene]);
+        return scene.layer ? spread_one(layers.at(engine.name), scene, job.seed) : simulate_one(engine, scene, job.seed, shown, how.allow_unsupported);
       } catch (const Error& e) {
         if (interrupted()) return std::nullopt;
         // A scene that cannot be built or run with a tried value is a point that failed, not bad input. Of the nominal scene it is told as such.

@@ -103,11 +103,12 @@ int run_bulk(const Options& options, const Own& own, const Bundle& bundle, Progr
   how.progress = [&](const std::string& stage, const JobsProgress& p) {
     display.show(static_cast<double>(p.done), static_cast<double>(p.total), p.remaining_s, fmt::format("{}: {} of {} runs ({} reused)", stage, p.done, p.total, p.reused));
   };
-  if (own.runs != Own{}.runs || own.held_out != Own{}.held_out || own.replicas != Own{}.replicas || own.bootstrap != Own{}.bootstrap || own.one_engine || !bundle.noise.empty())
-    display.message("warning: of recordings of many grains, noise, --runs, --held-out-runs, --replicas, --bootstrap and --one-engine say nothing: scatter is that of seeds");
+  if (own.runs != Own{}.runs || own.held_out != Own{}.held_out || own.replicas != Own{}.replicas || own.bootstrap != Own{}.bootstrap || !bundle.noise.empty())
+    display.message("warning: of recordings of many grains, noise, --runs, --held-out-runs, --replicas and --bootstrap say nothing: scatter is that of seeds");
   diagnosis::BulkOptions what;
   what.seed = options.seed;
   what.effects = own.candidates;
+  if (!own.one_engine) what.other_backends = backends_beside(find_backend(options.backend), realise(bundle.scene, 1).grain_count());
   const auto begun = std::chrono::steady_clock::now();
   const diagnosis::BulkDiagnosis found = diagnosis::diagnose_bulk(bundle, simulate_bulk_with(find_backend(options.backend), bundle, how), what);
   if (found.models.empty()) {

@@ -231,10 +231,10 @@ Simulate simulate_with(const Backend& backend, bool allow_unsupported) {
   };
 }
 
-std::vector<std::string> backends_beside(const Backend& own) {
+std::vector<std::string> backends_beside(const Backend& own, std::size_t grains) {
   std::vector<std::string> names;
   for (const Backend& backend : backends())
-    if (backend.name != own.name) names.emplace_back(backend.name);
+    if (backend.name != own.name && grains <= backend.most_grains) names.emplace_back(backend.name);
   return names;
 }
 

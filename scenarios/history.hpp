@@ -13,8 +13,8 @@ namespace repose {
 /// Throws Error (Kind::input) for physics that the backend lacks, unless `allow_unsupported`; always where the request names another backend.
 Simulate simulate_with(const Backend& backend, bool allow_unsupported);
 
-/// All but the named one: what a diagnosis may suspect of having made the recordings.
-std::vector<std::string> backends_beside(const Backend& own);
+/// All but the own one that can be expected to solve so many grains: what a diagnosis may suspect of having made the recordings.
+std::vector<std::string> backends_beside(const Backend& own, std::size_t grains = 0);
 
 /// A drum with an angular velocity: what the series `surface_angle` needs.
 bool has_turning_drum(const Scene& scene);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
 #include "analysis/diagnosis/bulk_sampling.hpp"
@@ -19,6 +20,10 @@ using Eigen::VectorXd;
 constexpr std::uint64_t seeds_apart = 1'000'000;  // simulated packings are never those of a recording made with small seeds
 constexpr double resolution = 1e-6;               // of a summary, as a share of its value
 constexpr double moved = 0.5;                     // standard deviations of the posterior: then the fit is simulated once more
+constexpr double pair_gain = 5;                   // nats that a second effect must gain to be looked at: what it costs, and some
+constexpr double near_the_best = 10;              // nats: numerics that come so close are simulated as often as the best candidates
+constexpr int glance = 512, look = 4096;          // points of a cube, to foresee a pair
+constexpr std::size_t looked_at = 8;              // pairs, after a glance
 
 MatrixXd columns(const MatrixXd& rows, const std::vector<Index>& chosen) {
   MatrixXd result(rows.rows(), static_cast<Index>(chosen.size()));
@@ -40,7 +45,7 @@ void BulkCampaign::simulate(const std::string& stage, const std::vector<Wanted>&
     for (int i = 0; i < w.seeds; ++i) {
       ++next_seed_;
       for (const BulkSetting& setting : data_.settings)
-        requests.push_back({emit_yaml(bulk_scene(bundle_, scale_, w.model->candidate, w.at, setting.set)), next_seed_});
+        requests.push_back({emit_yaml(bulk_scene(bundle_, scale_, w.model->candidate, w.at, setting.set)), next_seed_, w.model->candidate.backend});
     }
   const auto answers = run_(stage, requests);
   if (!answers) throw BulkInterrupted{};
@@ -113,7 +118,8 @@ void BulkCampaign::simulate_fit(const std::string& stage, const std::vector<Bulk
     if (model->direct >= 0) {
       const VectorXd& at = model->design[static_cast<std::size_t>(model->direct)].at;
       bool far = false;
-      for (Index k = 0; k < at.size(); ++k) far = far || std::abs(at[k] - model->posterior.best[k]) > moved * model->posterior.sd(k);
+      // Errors of the recording need no new simulation.
+      for (Index k = 0; k < scene_axes(model->candidate); ++k) far = far || std::abs(at[k] - model->posterior.best[k]) > moved * model->posterior.sd(k);
       if (!far) continue;
     }
     model->direct = static_cast<int>(model->design.size());
@@ -150,9 +156,9 @@ void BulkCampaign::nominal() {
   for (int round = 0; round < 2; ++round) simulate_fit("calibrating the nominal scene", {&model}, options_.nominal_seeds);
 }
 
-void BulkCampaign::more_of_nominal() {
-  BulkModel& model = models_.front();
-  simulate("more of the nominal scene", {{&model, model.design[static_cast<std::size_t>(model.direct)].at, options_.doubtful_seeds}});
+/// More packings where the model was simulated directly.
+void BulkCampaign::add_replicates(const std::string& stage, BulkModel& model, int seeds) {
+  simulate(stage, {{&model, model.design[static_cast<std::size_t>(model.direct)].at, seeds}});
   const DesignPoint more = std::move(model.design.back());
   model.design.pop_back();
   DesignPoint& point = model.design[static_cast<std::size_t>(model.direct)];
@@ -162,8 +168,12 @@ void BulkCampaign::more_of_nominal() {
     rows << point.rows[s], more.rows[s];
     point.rows[s] = std::move(rows);
   }
+}
+
+void BulkCampaign::more_of_nominal() {
+  add_replicates("more of the nominal scene", models_.front(), options_.doubtful_seeds);
   find_scatter();
-  fit(model);
+  fit(models_.front());
 }
 
 void BulkCampaign::screen() {
@@ -183,12 +193,15 @@ void BulkCampaign::screen() {
     if (&model != &models_.front()) fit(model);
 }
 
+double BulkCampaign::worth(const BulkModel& model) {
+  return model.posterior.best_log_likelihood - cost_of_parameter * static_cast<double>(model.candidate.parameters.size());
+}
+
 std::vector<BulkModel*> BulkCampaign::best_few() {
   std::vector<BulkModel*> list;
   for (BulkModel& model : models_)
     if (&model != &models_.front() && model.candidate.kind == BulkCandidate::Kind::simulated) list.push_back(&model);
-  const auto worth = [](const BulkModel* m) { return m->posterior.best_log_likelihood - cost_of_parameter * static_cast<double>(m->candidate.parameters.size()); };
-  std::stable_sort(list.begin(), list.end(), [&](const BulkModel* a, const BulkModel* b) { return worth(a) > worth(b); });
+  std::stable_sort(list.begin(), list.end(), [](const BulkModel* a, const BulkModel* b) { return worth(*a) > worth(*b); });
   if (list.size() > static_cast<std::size_t>(options_.refined)) list.resize(static_cast<std::size_t>(options_.refined));
   return list;
 }
@@ -206,35 +219,125 @@ void BulkCampaign::refine() {
   for (int round = 0; round < 2; ++round) simulate_fit("simulating the best directly", best_few(), options_.direct_seeds);
 }
 
+BulkModel* BulkCampaign::find(const std::vector<std::string>& effects) {
+  const auto found = std::find_if(models_.begin(), models_.end(), [&](const BulkModel& m) { return m.candidate.hypothesis.names() == effects; });
+  return found == models_.end() ? nullptr : &*found;
+}
+
 void BulkCampaign::numerics() {
   if (options_.numerics_seeds < 1) return;
+  fit_numerics("time_step", "");
+  for (const std::string& backend : options_.other_backends) fit_numerics("engine_law", backend);
+}
+
+void BulkCampaign::fit_numerics(const char* effect, const std::string& backend) {
+  BulkModel* const other = find({effect});
   models_.emplace_back();
   BulkModel& model = models_.back();
   model.candidate.kind = BulkCandidate::Kind::numerics;
-  model.candidate.hypothesis.terms = {{find_effect("time_step"), ""}};
+  model.candidate.hypothesis.terms = {{find_effect(effect), ""}};
+  model.candidate.backend = backend;
   const BulkModel& nominal = models_.front();
   model.candidate.calibrated = values_at(nominal.candidate, nominal.design[static_cast<std::size_t>(nominal.direct)].at);
+  const std::string stage = backend.empty() ? "a finer step" : "the nominal scene by " + backend;
+  double best = worth(nominal);
+  for (const BulkModel& m : models_)
+    if (m.posterior.weight.size() > 0) best = std::max(best, worth(m));
   try {
-    simulate("a finer step", {{&model, VectorXd(0), options_.numerics_seeds}});
+    simulate(stage, {{&model, VectorXd(0), options_.numerics_seeds}});
+    model.direct = 0;
+    fit(model);
+    if (model.posterior.best_log_likelihood > best - near_the_best && options_.direct_seeds > options_.numerics_seeds) {
+      add_replicates(stage, model, options_.direct_seeds - options_.numerics_seeds);
+      fit(model);
+    }
   } catch (const BulkInterrupted&) {
     models_.pop_back();
     throw;
   }
-  model.direct = 0;
-  fit(model);
+  // An engine that lacks something of the scene says nothing; of several the best stands for all.
+  if (!std::isfinite(model.posterior.best_log_likelihood)) {
+    models_.pop_back();
+  } else if (other != nullptr) {
+    if (worth(model) > worth(*other)) *other = std::move(model);
+    models_.pop_back();
+  }
+}
+
+/// The two together as their sum; its posterior is foreseen.
+BulkModel BulkCampaign::foreseen(const BulkModel& a, const BulkModel& b, int points) const {
+  BulkModel pair;
+  pair.candidate = together(a.candidate, b.candidate);
+  pair.parts = {&a, &b};
+  pair.posterior = posterior_of(data_, superposed(pair.candidate, a, b, models_.front(), data_, scatter_.covariance), scatter_.covariance,
+                                static_cast<Index>(pair.candidate.parameters.size()), points);
+  return pair;
+}
+
+/// Pairs foreseen to gain enough over `to_beat`, the best first.
+std::vector<BulkModel> BulkCampaign::foresee_pairs(double to_beat) const {
+  std::vector<const BulkModel*> singles;
+  for (const BulkModel& m : models_)
+    if (&m != &models_.front() && m.candidate.kind != BulkCandidate::Kind::numerics) singles.push_back(&m);
+  std::vector<BulkModel> pairs;
+  const auto best_first = [](const BulkModel& a, const BulkModel& b) { return worth(a) > worth(b); };
+  for (std::size_t i = 0; i < singles.size(); ++i)
+    for (std::size_t j = i + 1; j < singles.size(); ++j) {
+      pairs.push_back(foreseen(*singles[i], *singles[j], glance));
+      std::stable_sort(pairs.begin(), pairs.end(), best_first);
+      if (pairs.size() > looked_at) pairs.pop_back();
+    }
+  for (BulkModel& pair : pairs) pair = foreseen(*pair.parts.front(), *pair.parts.back(), look);
+  std::stable_sort(pairs.begin(), pairs.end(), best_first);
+  std::erase_if(pairs, [&](const BulkModel& pair) { return !(worth(pair) > to_beat + pair_gain - cost_of_parameter); });
+  if (pairs.size() > static_cast<std::size_t>(options_.pairs)) pairs.resize(static_cast<std::size_t>(options_.pairs));
+  return pairs;
+}
+
+void BulkCampaign::pairs() {
+  const BulkModel* best = nullptr;
+  for (const BulkModel& m : models_)
+    if (&m != &models_.front() && (best == nullptr || worth(m) > worth(*best))) best = &m;
+  if (best == nullptr || lack_of_fit(*best).p > level) return;
+  std::vector<BulkModel*> added;
+  std::vector<Wanted> wanted;
+  for (BulkModel& pair : foresee_pairs(worth(*best))) {
+    models_.push_back(std::move(pair));
+    added.push_back(&models_.back());
+    if (added.back()->candidate.kind == BulkCandidate::Kind::recording) continue;
+    const MatrixXd points = added.back()->posterior.representatives(options_.pair_points);
+    for (Index i = 0; i < points.rows(); ++i) wanted.push_back({added.back(), points.row(i).transpose(), options_.refined_seeds});
+  }
+  try {
+    if (!wanted.empty()) simulate("two effects at once", wanted);
+    for (BulkModel* model : added) fit(*model);
+    std::vector<BulkModel*> simulated = added;
+    std::erase_if(simulated, [](const BulkModel* m) { return m->candidate.kind != BulkCandidate::Kind::simulated; });
+    for (int round = 0; round < 2; ++round) simulate_fit("simulating the best pairs directly", simulated, options_.direct_seeds);
+  } catch (const BulkInterrupted&) {
+    // What was only foreseen is no result.
+    for (std::size_t i = 0; i < added.size(); ++i) models_.pop_back();
+    throw;
+  }
 }
 
 BulkCampaign::LackOfFit BulkCampaign::lack_of_fit(const BulkModel& model) const {
+  return model.candidate.hypothesis.terms.size() > 1 ? lack_in_all(model) : lack_in_tested(model);
+}
+
+BulkCampaign::LackOfFit BulkCampaign::lack_in_tested(const BulkModel& model) const {
   LackOfFit result;
   std::vector<double> p;
   int spent = static_cast<int>(model.candidate.parameters.size());
-  VectorXd extra(static_cast<Index>(data_.tested.size()));
-  for (std::size_t k = 0; k < data_.tested.size(); ++k) extra[static_cast<Index>(k)] = data_.extra[data_.tested[k]];
   for (std::size_t s = 0; s < data_.settings.size(); ++s) {
-    const MatrixXd simulated = columns(rows_at_fit(model, models_.front(), data_, s), data_.tested);
+    const MatrixXd simulated = columns(rows_at_fit(model, models_.front(), data_, s), data_.tested), recorded = columns(data_.settings[s].train, data_.tested);
+    if (recorded.rows() == 0) continue;
+    VectorXd extra(static_cast<Index>(data_.tested.size()));
+    for (Index k = 0; k < extra.size(); ++k)
+      extra[k] = data_.extra[data_.tested[static_cast<std::size_t>(k)]] + std::pow(resolution * recorded.col(k).cwiseAbs().maxCoeff(), 2);
     const int here = std::min(spent, static_cast<int>(data_.tested.size()));
     spent -= here;
-    const MeanTest test = same_mean(columns(data_.settings[s].train, data_.tested), simulated, extra, here);
+    const MeanTest test = same_mean(recorded, simulated, extra, here);
     if (test.dimensions == 0) continue;
     p.push_back(test.p);
     result.dimensions += test.dimensions;
@@ -242,6 +345,30 @@ BulkCampaign::LackOfFit BulkCampaign::lack_of_fit(const BulkModel& model) const 
     result.ratio = std::max(result.ratio, test.statistic * test.dof / (rows * test.dimensions));
   }
   result.p = combined_p(p);
+  return result;
+}
+
+/// T^2 of all summaries and settings with the shrunken scatter, whose degrees of freedom are those of all seeds:
+///   F = T^2 (nu - d + 1) / (nu d) ~ F(d, nu - d + 1),   d = summaries and settings less what was fitted.
+BulkCampaign::LackOfFit BulkCampaign::lack_in_all(const BulkModel& model) const {
+  LackOfFit result;
+  double statistic = 0;
+  int numbers = 0;
+  for (std::size_t s = 0; s < data_.settings.size(); ++s) {
+    const MatrixXd simulated = complete_rows(rows_at_fit(model, models_.front(), data_, s)), recorded = complete_rows(data_.settings[s].train);
+    if (simulated.rows() == 0 || recorded.rows() == 0) continue;
+    const double na = static_cast<double>(recorded.rows()), nb = static_cast<double>(simulated.rows());
+    MatrixXd c = scatter_.covariance * (1 / na + 1 / nb);
+    c.diagonal() += data_.extra / na;
+    statistic += squared_distance((recorded.colwise().mean() - simulated.colwise().mean()).transpose(), c);
+    numbers += static_cast<int>(c.rows());
+  }
+  const int d = numbers - static_cast<int>(model.candidate.parameters.size());
+  const double left = scatter_.dof - d + 1;
+  if (d < 1 || left <= 0 || !std::isfinite(statistic)) return result;
+  result.dimensions = d;
+  result.ratio = statistic * left / (scatter_.dof * d);
+  result.p = boost::math::cdf(boost::math::complement(boost::math::fisher_f(d, left), result.ratio));
   return result;
 }
 

@@ -23,10 +23,13 @@ class BulkCampaign {
   void screen();
   /// More points where the posteriors of the best few lie, then their fitted values simulated directly.
   void refine();
-  /// The nominal scene with a quarter of the step and a tenth of the tolerance.
+  /// The nominal scene with a quarter of the step and a tenth of the tolerance, and in other engines.
   void numerics();
+  /// Where the best leaves more than noise: two effects at once, of which their sum is foreseen to gain most.
+  void pairs();
 
-  /// Hotelling's test of the training runs against the fitted model, all settings together.
+  /// Hotelling's test of the training runs against the fitted model, all settings together. Of more than one effect on all summaries with the shrunken scatter: three
+  /// would hardly outnumber what was fitted.
   struct LackOfFit {
     double p = 1;
     int dimensions = 0;
@@ -51,7 +54,15 @@ class BulkCampaign {
   void simulate(const std::string& stage, const std::vector<Wanted>& wanted);
   void simulate_fit(const std::string& stage, const std::vector<BulkModel*>& models, int seeds);
   void fit(BulkModel& model);
+  void add_replicates(const std::string& stage, BulkModel& model, int seeds);
   void find_scatter();
+  void fit_numerics(const char* effect, const std::string& backend);
+  LackOfFit lack_in_tested(const BulkModel& model) const;
+  LackOfFit lack_in_all(const BulkModel& model) const;
+  BulkModel foreseen(const BulkModel& a, const BulkModel& b, int points) const;
+  std::vector<BulkModel> foresee_pairs(double to_beat) const;
+  BulkModel* find(const std::vector<std::string>& effects);
+  static double worth(const BulkModel& model);
   std::vector<BulkModel*> best_few();
 
   const Bundle& bundle_;

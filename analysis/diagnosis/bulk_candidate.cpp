@@ -6,6 +6,7 @@
 #include <boost/random/sobol.hpp>
 #include <cmath>
 
+#include "analysis/diagnosis/bulk_recording_error.hpp"
 #include "analysis/diagnosis/calibrated_constant.hpp"
 #include "core/error.hpp"
 #include "core/yaml_reader.hpp"
@@ -110,38 +111,6 @@ BulkCandidate within_the_possible(BulkCandidate candidate, const Bundle& bundle,
   return candidate;
 }
 
-/// length_scale, time_scale, and a bias of the first scalar.
-std::vector<BulkCandidate> of_the_recording(const Bundle& bundle, const NaturalScale& scale) {
-  std::vector<BulkCandidate> result;
-  const auto any_of = [&](auto holds) {
-    return std::any_of(bundle.runs.begin(), bundle.runs.end(), [&](const BundleRun& run) { return std::any_of(run.observations.begin(), run.observations.end(), holds); });
-  };
-  const auto add = [&](const char* name) {
-    BulkCandidate c = candidate_of({find_effect(name), ""}, {}, scale);
-    c.kind = BulkCandidate::Kind::recording;
-    result.push_back(std::move(c));
-  };
-  if (any_of([](const Observation& o) { return o.kind == ObservableKind::profile || o.kind == ObservableKind::surface; })) add("length_scale");
-  if (any_of([](const Observation& o) { return o.kind == ObservableKind::series; })) add("time_scale");
-  for (const Observation& o : bundle.runs.front().observations) {
-    if (o.kind != ObservableKind::scalar) continue;
-    BulkCandidate c;
-    c.kind = BulkCandidate::Kind::recording;
-    c.hypothesis.terms = {{find_effect("sensor_bias"), ""}};
-    Parameter p;
-    p.use = Parameter::Use::bias;
-    p.key = "sensor_bias." + o.name;
-    p.effect = "sensor_bias";
-    p.unit = o.unit;
-    p.upper = std::max(std::abs(o.scalar), 1e-300);
-    p.lower = -p.upper;
-    c.parameters = {p};
-    result.push_back(std::move(c));
-    break;
-  }
-  return result;
-}
-
 /// A law of contacts acts between grains, unless it is a wall's.
 bool among_grains(const Term& term, const Scene& scene) {
   if (term.place.empty() || term.row->name == "wall_friction") return true;
@@ -199,7 +168,9 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   const BulkCandidate nominal = nominal_candidate(bundle, scale);
   std::vector<BulkCandidate> result;
   std::vector<std::string> taken;
-  const std::vector<Term> terms = possible_terms(bundle, scale);
+  std::vector<Term> terms = possible_terms(bundle, scale);
+  // What the scene states may be wrong; last, so that where an effect has two places the one that is missing comes first.
+  for (Term& term : stated_terms(bundle, scale)) terms.push_back(std::move(term));
   for (const std::string& name : wanted.empty() ? bulk_effects() : wanted)
     for (const Term& term : terms) {
       if (term.row->name != name || term.row->site == EffectSite::measurement || !among_grains(term, bundle.scene)) continue;
@@ -207,7 +178,7 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
       result.push_back(within_the_possible(candidate_of(term, nominal, scale), bundle, scale));
       taken.push_back(name);
     }
-  for (BulkCandidate& c : of_the_recording(bundle, scale)) {
+  for (BulkCandidate& c : recording_errors(bundle, scale)) {
     const std::string name = c.hypothesis.names().front();
     taken.push_back(name);
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) result.push_back(std::move(c));
@@ -218,10 +189,39 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   return result;
 }
 
+BulkCandidate together(const BulkCandidate& a, const BulkCandidate& b) {
+  using Kind = BulkCandidate::Kind;
+  BulkCandidate pair;
+  pair.kind = a.kind == Kind::simulated || b.kind == Kind::simulated ? Kind::simulated : Kind::recording;
+  for (const BulkCandidate* part : {&a, &b})
+    for (const Term& term : part->hypothesis.terms) pair.hypothesis.terms.push_back(term);
+  // Calibrated constants first, of which both know the same, then the scene's, then the recording's.
+  for (const BulkCandidate* part : {&a, &b})
+    for (const Parameter& p : part->parameters)
+      if (p.effect.empty() && axis_of(pair, p) < 0) pair.parameters.push_back(p);
+  for (const bool of_scene : {true, false})
+    for (const BulkCandidate* part : {&a, &b})
+      for (const Parameter& p : part->parameters)
+        if (!p.effect.empty() && (p.use == Parameter::Use::scene) == of_scene) pair.parameters.push_back(p);
+  return pair;
+}
+
+Index axis_of(const BulkCandidate& candidate, const Parameter& parameter) {
+  const auto found = std::find_if(candidate.parameters.begin(), candidate.parameters.end(), [&](const Parameter& p) {
+    return p.use == parameter.use && p.key == parameter.key && p.component == parameter.component;
+  });
+  return found == candidate.parameters.end() ? -1 : found - candidate.parameters.begin();
+}
+
+Index scene_axes(const BulkCandidate& candidate) {
+  return std::count_if(candidate.parameters.begin(), candidate.parameters.end(), [](const Parameter& p) { return p.use == Parameter::Use::scene; });
+}
+
 std::vector<Override> values_at(const BulkCandidate& candidate, const VectorXd& point) {
   std::vector<Override> values;
   for (std::size_t i = 0; i < candidate.parameters.size(); ++i) {
     const Parameter& p = candidate.parameters[i];
+    if (p.use != Parameter::Use::scene) continue;
     values.push_back({p.component < 0 ? p.key : fmt::format("{}.{}", p.key, p.component), fmt::format("{}", value_at(p, point[static_cast<Index>(i)]))});
   }
   return values;
@@ -233,29 +233,16 @@ YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkC
   for (const Override& change : set) set_path(tree, change.path, change.value);
   if (candidate.kind == BulkCandidate::Kind::recording) return tree;
   if (candidate.kind == BulkCandidate::Kind::numerics) {
-    set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
-    set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
+    if (candidate.backend.empty()) {
+      set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
+      set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
+    }
     for (const Override& constant : candidate.calibrated) set_path(tree, constant.path, constant.value);
     return tree;
   }
   put_terms(tree, candidate.hypothesis, scale);
   for (const Override& value : values_at(candidate, point)) set_path(tree, value.path, value.value);
   return tree;
-}
-
-std::vector<Observation> disturbed(const BulkCandidate& candidate, const VectorXd& point, std::vector<Observation> observations) {
-  if (candidate.kind != BulkCandidate::Kind::recording) return observations;
-  const Parameter& p = candidate.parameters.front();
-  const double value = value_at(p, point[0]);
-  for (Observation& o : observations) {
-    if (p.use == Parameter::Use::length_scale && (o.kind == ObservableKind::profile || o.kind == ObservableKind::surface))
-      for (std::vector<double>* lengths : {&o.at, &o.at_y, &o.value})
-        for (double& x : *lengths) x *= value;
-    if (p.use == Parameter::Use::time_scale)
-      for (double& t : o.time) t *= value;
-    if (p.use == Parameter::Use::bias && p.key == "sensor_bias." + o.name) o.scalar += value;
-  }
-  return observations;
 }
 
 Eigen::MatrixXd space_filling(int count, Index axes) {

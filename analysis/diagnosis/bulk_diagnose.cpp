@@ -26,7 +26,7 @@ using Eigen::VectorXd;
 
 std::vector<BulkEstimate> estimates_of(const BulkModel& model) {
   std::vector<BulkEstimate> list;
-  const VectorXd& at = model.direct >= 0 ? model.design[static_cast<std::size_t>(model.direct)].at : model.posterior.best;
+  const VectorXd at = fitted_point(model);
   for (std::size_t i = 0; i < model.candidate.parameters.size(); ++i) {
     const Parameter& p = model.candidate.parameters[i];
     const auto k = static_cast<Index>(i);
@@ -104,6 +104,7 @@ class BulkDiagnosing {
         campaign_.screen();
         campaign_.refine();
         campaign_.numerics();
+        campaign_.pairs();
       } else {
         result_.notes.push_back(result_.tested_dimensions > 0 ? "The nominal scene was not rejected, so no candidate was simulated."
                                                               : "There are as many free constants as tested numbers: any value is reached, and nothing can be said.");
@@ -172,7 +173,7 @@ class BulkDiagnosing {
     compare_held_out();
     suggest();
     const BulkModel& best = *models_[result_.best];
-    const VectorXd& at = best.direct >= 0 ? best.design[static_cast<std::size_t>(best.direct)].at : best.posterior.best;
+    const VectorXd at = fitted_point(best);
     // An error of the recording changes nothing in the scene.
     const bool of_scene = best.candidate.kind != BulkCandidate::Kind::recording;
     result_.extended_scene = emit_yaml(bulk_scene(bundle_, campaign_.scale(), of_scene ? best.candidate : nominal.candidate, of_scene ? at : nominal.posterior.best));
@@ -196,6 +197,8 @@ class BulkDiagnosing {
       e.held_out = held ? m.posterior.held_log_likelihood : m.posterior.best_log_likelihood;
       if (!std::isfinite(e.held_out)) e.held_out = -1e12;
       e.held_out_as_fitted = e.held_out;
+      e.per_run = m.posterior.held_of_run;
+      e.stated = stated_in(m.candidate.hypothesis);
       e.train_gain = 2 * (m.posterior.best_log_likelihood - nominal.posterior.best_log_likelihood);
       const BulkCampaign::LackOfFit left = campaign_.lack_of_fit(m);
       e.lack_of_fit = left.p <= level ? std::sqrt(left.ratio) : 1;

@@ -7,7 +7,8 @@
 ///   4 lack of fit         Hotelling's T^2 on at most three summaries chosen beforehand; several settings by Fisher; in doubt
 ///                         three times as many packings of the nominal scene decide
 ///   5 locate              bulk_locate.hpp
-///   7 candidates          bulk_candidate.hpp: a profile of few runs each, then more runs where the posterior lies, for the best few
+///   7 candidates          bulk_candidate.hpp, bulk_recording_error.hpp: a profile of few runs each, then more runs where the posterior lies, for the best
+///                         few; pairs where one effect is not enough; the nominal scene solved more finely and by other engines
 ///   8 verdict             verdict.hpp, on held-out runs, all summaries, shrunken covariance
 ///   9 confounding         bulk_separation.hpp
 ///  10 uncertainty         bulk_posterior.hpp
@@ -33,6 +34,8 @@ struct BulkOptions {
   int doubtful_seeds = 20;           ///< more of the nominal scene, where those neither reject it plainly nor fit it well
   int refined = 4, refined_points = 3, refined_seeds = 2;
   int direct_seeds = 8, numerics_seeds = 3;  ///< a finer step costs four times as much
+  int pairs = 3, pair_points = 6;            ///< simulated, where one effect is not enough; points of each
+  std::vector<std::string> other_backends;   ///< that may have made the recordings
 };
 
 struct BulkEstimate {

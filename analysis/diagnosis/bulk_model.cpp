@@ -1,10 +1,12 @@
 #include "analysis/diagnosis/bulk_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 #include "analysis/diagnosis/bulk_emulator.hpp"
+#include "analysis/diagnosis/bulk_recording_error.hpp"
 
 namespace repose::diagnosis {
 namespace {
@@ -30,20 +32,46 @@ std::pair<VectorXd, VectorXd> column_means(const MatrixXd& rows) {
   return {mean, count};
 }
 
-/// Coordinates of the nominal's designs in the candidate's cube.
+/// A point of one cube in that of another: axes that it lacks lie at `elsewhere`.
+VectorXd carried_over(const BulkCandidate& from, const VectorXd& point, const BulkCandidate& to, VectorXd elsewhere) {
+  for (std::size_t i = 0; i < from.parameters.size(); ++i)
+    if (const Index axis = axis_of(to, from.parameters[i]); axis >= 0) elsewhere[axis] = point[static_cast<Index>(i)];
+  return elsewhere;
+}
+
+/// What was simulated for it, for the nominal scene and for its parts, as points of the candidate's cube.
 std::vector<std::pair<VectorXd, const DesignPoint*>> designs_of(const BulkModel& model, const BulkModel& nominal) {
   std::vector<std::pair<VectorXd, const DesignPoint*>> all;
-  if (&model != &nominal)
-    for (const DesignPoint& point : nominal.design) all.emplace_back(null_point(model.candidate, point.at), &point);
+  const auto add_others = [&](const BulkModel& other) {
+    for (const DesignPoint& point : other.design)
+      all.emplace_back(carried_over(other.candidate, point.at, model.candidate, null_point(model.candidate, VectorXd(0))), &point);
+  };
+  if (&model != &nominal) add_others(nominal);
+  for (const BulkModel* part : model.parts) add_others(*part);
   for (const DesignPoint& point : model.design) all.emplace_back(point.at, &point);
   return all;
+}
+
+/// Calibrated constants are one group, each effect another.
+std::vector<int> groups_of(const BulkCandidate& candidate, Index axes) {
+  std::vector<std::string> names;
+  std::vector<int> groups;
+  for (Index k = 0; k < axes; ++k) {
+    const Parameter& p = candidate.parameters[static_cast<std::size_t>(k)];
+    const std::string name = p.effect.empty() ? p.effect : p.effect + p.key.substr(0, p.key.rfind('.'));
+    const auto known = std::find(names.begin(), names.end(), name);
+    groups.push_back(static_cast<int>(known - names.begin()));
+    if (known == names.end()) names.push_back(name);
+  }
+  return candidate.hypothesis.terms.size() > 1 ? groups : std::vector<int>{};
 }
 
 /// One emulator per setting and summary; empty where nothing was measurable.
 std::vector<std::vector<std::shared_ptr<const Emulator>>> emulators_of(const BulkModel& model, const BulkModel& nominal, const BulkData& data,
                                                                         const MatrixXd& scatter) {
   const auto designs = designs_of(model, nominal);
-  const Index axes = static_cast<Index>(model.candidate.parameters.size());
+  const Index axes = scene_axes(model.candidate);
+  const std::vector<int> groups = groups_of(model.candidate, axes);
   std::vector<std::vector<std::shared_ptr<const Emulator>>> emulators(data.settings.size());
   for (std::size_t s = 0; s < data.settings.size(); ++s)
     for (std::size_t k = 0; k < data.summaries.size(); ++k) {
@@ -53,7 +81,7 @@ std::vector<std::vector<std::shared_ptr<const Emulator>>> emulators_of(const Bul
       for (const auto& [where, point] : designs) {
         const auto [mean, count] = column_means(point->rows[s]);
         if (!(count[column] > 0)) continue;
-        at.push_back(where);
+        at.push_back(where.head(axes));
         value.push_back(mean[column]);
         noise.push_back(std::max(scatter(column, column), 1e-24 * mean[column] * mean[column] + 1e-300) / count[column]);
       }
@@ -64,7 +92,7 @@ std::vector<std::vector<std::shared_ptr<const Emulator>>> emulators_of(const Bul
       MatrixXd points(static_cast<Index>(at.size()), axes);
       for (std::size_t i = 0; i < at.size(); ++i) points.row(static_cast<Index>(i)) = at[i].transpose();
       const auto n = static_cast<Index>(value.size());
-      emulators[s].push_back(std::make_shared<const Emulator>(points, VectorXd(Eigen::Map<const VectorXd>(value.data(), n)), VectorXd(Eigen::Map<const VectorXd>(noise.data(), n))));
+      emulators[s].push_back(std::make_shared<const Emulator>(points, VectorXd(Eigen::Map<const VectorXd>(value.data(), n)), VectorXd(Eigen::Map<const VectorXd>(noise.data(), n)), groups));
     }
   return emulators;
 }
@@ -73,10 +101,48 @@ const DesignPoint* at_fit(const BulkModel& model) {
   return model.direct >= 0 ? &model.design[static_cast<std::size_t>(model.direct)] : nullptr;
 }
 
-std::vector<BulkOutcome> disturbed_outcomes(const BulkModel& model, const VectorXd& point, std::vector<BulkOutcome> outcomes) {
-  for (BulkOutcome& o : outcomes) o.observations = disturbed(model.candidate, point, std::move(o.observations));
+std::vector<BulkOutcome> disturbed_outcomes(const BulkCandidate& candidate, const VectorXd& point, std::vector<BulkOutcome> outcomes) {
+  for (BulkOutcome& o : outcomes) o.observations = disturbed(candidate, point, std::move(o.observations));
   return outcomes;
 }
+
+/// The nearest that was simulated to what the model says: at its fit, else at that of a part, else the nominal scene. Free of errors of the recording.
+const DesignPoint* nearest_simulated(const BulkModel& model, const BulkModel& nominal) {
+  if (const DesignPoint* own = at_fit(model)) return own;
+  for (const BulkModel* part : model.parts)
+    if (const DesignPoint* of_part = at_fit(*part)) return of_part;
+  return at_fit(nominal);
+}
+
+/// By how much an error of the recording moves each summary, tabulated along its axis.
+class ErrorMade {
+ public:
+  ErrorMade(const BulkModel& model, const BulkModel& nominal, const BulkData& data, Index axis) : axis_(axis) {
+    const DesignPoint* simulated = nearest_simulated(model, nominal);
+    VectorXd point = null_point(model.candidate, VectorXd(0));
+    for (std::size_t s = 0; s < data.settings.size(); ++s) {
+      const VectorXd plain = simulated == nullptr ? VectorXd() : column_means(rows_of(simulated->outcomes[s], data.summaries)).first;
+      MatrixXd table = MatrixXd::Constant(static_cast<Index>(data.summaries.size()), cells + 1, nan);
+      for (Index i = 0; i <= cells && simulated != nullptr; ++i) {
+        point[axis] = static_cast<double>(i) / cells;
+        table.col(i) = column_means(rows_of(disturbed_outcomes(model.candidate, point, simulated->outcomes[s]), data.summaries)).first - plain;
+      }
+      tables_.push_back(std::move(table));
+    }
+  }
+  VectorXd at(std::size_t setting, const VectorXd& point) const {
+    const double x = std::clamp(point[axis_], 0.0, 1.0) * cells;
+    const Index i = std::min(static_cast<Index>(x), cells - 1);
+    const double share = x - static_cast<double>(i);
+    const MatrixXd& table = tables_[setting];
+    return (1 - share) * table.col(i) + share * table.col(i + 1);
+  }
+
+ private:
+  static constexpr Index cells = 128;  // of the range: what is between them is a line to a thousandth of the whole effect
+  Index axis_;
+  std::vector<MatrixXd> tables_;
+};
 
 BulkPrediction of_means(const std::vector<MatrixXd>& rows, const MatrixXd& scatter) {
   BulkPrediction p;
@@ -98,20 +164,21 @@ MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<Bul
   return rows;
 }
 
-Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter) {
-  if (model.candidate.kind == BulkCandidate::Kind::recording)
-    return [&model, &nominal, &data, scatter](const VectorXd& point) {
-      std::vector<MatrixXd> rows;
-      for (std::size_t s = 0; s < data.settings.size(); ++s)
-        rows.push_back(rows_of(disturbed_outcomes(model, point, outcomes_at_fit(nominal, nominal, s)), data.summaries));
-      return of_means(rows, scatter);
-    };
-  if (model.candidate.parameters.empty()) {
-    const BulkPrediction fixed = of_means(model.design.front().rows, scatter);
-    return [fixed](const VectorXd&) { return fixed; };
+VectorXd fitted_point(const BulkModel& model) {
+  VectorXd point = model.posterior.best;
+  if (const DesignPoint* simulated = at_fit(model)) point.head(scene_axes(model.candidate)) = simulated->at.head(scene_axes(model.candidate));
+  return point;
+}
+
+namespace {
+
+/// Without errors of the recording.
+Predict of_the_scene(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter) {
+  if (model.candidate.kind == BulkCandidate::Kind::recording || scene_axes(model.candidate) == 0) {
+    const DesignPoint& simulated = model.candidate.kind == BulkCandidate::Kind::recording ? *at_fit(nominal) : model.design.front();
+    return [fixed = of_means(simulated.rows, scatter)](const VectorXd&) { return fixed; };
   }
-  const auto emulators = emulators_of(model, nominal, data, scatter);
-  return [emulators](const VectorXd& point) {
+  return [emulators = emulators_of(model, nominal, data, scatter)](const VectorXd& point) {
     BulkPrediction p;
     for (const auto& of_setting : emulators) {
       const auto n = static_cast<Index>(of_setting.size());
@@ -129,11 +196,43 @@ Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkDa
   };
 }
 
+}  // namespace
+
+Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter) {
+  const Index known = scene_axes(model.candidate);
+  std::vector<ErrorMade> errors;
+  for (auto axis = known; axis < static_cast<Index>(model.candidate.parameters.size()); ++axis) errors.emplace_back(model, nominal, data, axis);
+  return [known, scene = of_the_scene(model, nominal, data, scatter), errors = std::move(errors)](const VectorXd& point) {
+    BulkPrediction p = scene(point.head(known));
+    for (const ErrorMade& error : errors)
+      for (std::size_t s = 0; s < p.mean.size(); ++s) p.mean[s] += error.at(s, point);
+    return p;
+  };
+}
+
+Predict superposed(const BulkCandidate& pair, const BulkModel& a, const BulkModel& b, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter) {
+  const auto of = [&](const BulkModel& model) {
+    // An error of the recording was made on the nominal scene as it was fitted, whatever its constants are elsewhere.
+    const bool as_fitted = &model == &nominal && (a.candidate.kind == BulkCandidate::Kind::recording || b.candidate.kind == BulkCandidate::Kind::recording);
+    const VectorXd elsewhere = &model == &nominal ? fitted_point(nominal) : null_point(model.candidate, VectorXd(0));
+    return [=, predict = predictor(model, nominal, data, scatter), &model](const VectorXd& point) {
+      return predict(as_fitted ? elsewhere : carried_over(pair, point, model.candidate, elsewhere));
+    };
+  };
+  return [first = of(a), second = of(b), neither = of(nominal)](const VectorXd& point) {
+    BulkPrediction sum = first(point);
+    const BulkPrediction more = second(point), less = neither(point);
+    for (std::size_t s = 0; s < sum.mean.size(); ++s) {
+      sum.mean[s] += more.mean[s] - less.mean[s];
+      sum.variance[s] += more.variance[s];
+    }
+    return sum;
+  };
+}
+
 std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, std::size_t setting) {
-  if (model.candidate.kind == BulkCandidate::Kind::recording)
-    return disturbed_outcomes(model, model.posterior.best, outcomes_at_fit(nominal, nominal, setting));
-  const DesignPoint* point = at_fit(model);
-  return point == nullptr ? std::vector<BulkOutcome>{} : point->outcomes[setting];
+  const DesignPoint* point = model.candidate.kind == BulkCandidate::Kind::recording ? at_fit(nominal) : at_fit(model);
+  return point == nullptr ? std::vector<BulkOutcome>{} : disturbed_outcomes(model.candidate, fitted_point(model), point->outcomes[setting]);
 }
 
 MatrixXd rows_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting) {

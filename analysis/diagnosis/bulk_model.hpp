@@ -14,6 +14,7 @@ namespace repose::diagnosis {
 struct BulkRequest {
   std::string scene;  ///< YAML
   std::uint64_t seed = 1;
+  std::string backend = {};  ///< empty: the own one
 };
 
 /// What it gave, in the form of a recording: all that can be observed of such a scene, asked for or not.
@@ -35,6 +36,7 @@ struct DesignPoint {
 
 struct BulkModel {
   BulkCandidate candidate;
+  std::vector<const BulkModel*> parts;  ///< of a pair: what is known of each effect alone is known of it
   std::vector<DesignPoint> design;
   int direct = -1;                ///< index of the design point that stands for the fitted model; -1: none yet
   BulkPosterior posterior;
@@ -44,12 +46,19 @@ struct BulkModel {
 /// Summaries of outcomes, NaN where there are none. One row each.
 Eigen::MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<BulkSummary>& summaries);
 
-/// What the model expects. Without parameters: the means of its replicates. Simulated: one emulator for each summary and setting, which also
-/// knows where the nominal scene lies. Errors of the recording: the outcomes of the nominal scene with the error made on each.
-/// `nominal` must outlive the result; `scatter` S between seeds.
+/// Where the model was fitted: the scene's axes as simulated, the recording's as they are likeliest.
+Eigen::VectorXd fitted_point(const BulkModel& model);
+
+/// What the model expects. Without axes in the scene: the means of its replicates, or of the nominal's. Else one emulator for each summary and setting,
+/// which knows where the nominal scene and the parts of a pair lie as well. Errors of the recording shift that by what they do to the outcomes at the
+/// fit, several one after another. `nominal` and the parts must outlive the result; `scatter` S between seeds.
 Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const Eigen::MatrixXd& scatter);
 
-/// The replicates that stand for the fitted model, of one setting; no rows if it was not simulated.
+/// What `pair`, a candidate of the two models together, would be expected to do if each did what it does alone: a + b - nominal. For foresight; the same
+/// must outlive it.
+Predict superposed(const BulkCandidate& pair, const BulkModel& a, const BulkModel& b, const BulkModel& nominal, const BulkData& data, const Eigen::MatrixXd& scatter);
+
+/// The replicates that stand for the fitted model, of one setting, as recorded; no rows if it was not simulated.
 Eigen::MatrixXd rows_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting);
 std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, std::size_t setting);
 

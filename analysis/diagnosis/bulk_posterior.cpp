@@ -15,12 +15,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int line_points = 513, cube_points = 4096;
+constexpr int line_points = 513;
 constexpr double impossible = -std::numeric_limits<double>::infinity();
 
-MatrixXd grid_of(Index axes) {
+MatrixXd grid_of(Index axes, int points) {
   if (axes == 0) return MatrixXd(1, 0);
-  if (axes > 1) return space_filling(cube_points, axes);
+  if (axes > 1) return space_filling(points, axes);
   return VectorXd::LinSpaced(line_points, 0, 1);
 }
 
@@ -77,9 +77,9 @@ MatrixXd BulkPosterior::representatives(int count) const {
   return chosen;
 }
 
-BulkPosterior posterior_of(const BulkData& data, const Predict& predict, const MatrixXd& scatter, Index axes) {
+BulkPosterior posterior_of(const BulkData& data, const Predict& predict, const MatrixXd& scatter, Index axes, int points) {
   BulkPosterior posterior;
-  posterior.points = grid_of(axes);
+  posterior.points = grid_of(axes, points);
   const Density density(data, scatter);
   const Index count = posterior.points.rows();
   std::size_t held_runs = 0;

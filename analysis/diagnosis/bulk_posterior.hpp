@@ -50,6 +50,7 @@ struct BulkPosterior {
   Eigen::MatrixXd representatives(int count) const;
 };
 
-BulkPosterior posterior_of(const BulkData& data, const Predict& predict, const Eigen::MatrixXd& scatter, Eigen::Index axes);
+/// `points`: how many fill a cube of more than one axis; a line has its own, finer ones.
+BulkPosterior posterior_of(const BulkData& data, const Predict& predict, const Eigen::MatrixXd& scatter, Eigen::Index axes, int points = 4096);
 
 }  // namespace repose::diagnosis

@@ -178,6 +178,87 @@ TEST(BulkDiagnosisTest, AWrongRulerIsAnErrorOfTheRecording) {
   EXPECT_NEAR(d.models[d.best].estimates.front().value, 1.12, 0.02);
 }
 
+TEST(BulkDiagnosisTest, ALateClockAndAWrongProtractorAreErrorsOfTheRecording) {
+  const auto diagnosed = [](const StandIn& error, const std::vector<std::string>& seen) {
+    Bundle bundle = recorded_heaps(12, 500, {}, error);
+    keep(bundle, seen);
+    std::vector<std::string> effects{"rolling_friction", "cohesion", "time_offset", "time_scale"};
+    if (seen.size() > 1) effects.insert(effects.end(), {"sensor_bias", "length_scale"});
+    return diagnose_bulk(bundle, stand_in(), with(effects));
+  };
+  // The delay is tested where the flow alone was recorded.
+  const BulkDiagnosis late = diagnosed({.late = 4e-3}, {"discharged_mass"}), wrong = diagnosed({.protractor = 4}, {"angle_of_repose", "discharged_mass", "heap"});
+  EXPECT_EQ(late.verdict.word, "measurement");
+  EXPECT_EQ(late.models[late.best].model.candidate.hypothesis.label(), "time_offset");
+  EXPECT_NEAR(late.models[late.best].estimates.front().value, 4e-3, 4e-4);
+  EXPECT_EQ(wrong.verdict.word, "measurement");
+  EXPECT_EQ(wrong.models[wrong.best].model.candidate.hypothesis.label(), "sensor_bias (angle_of_repose)");
+  EXPECT_NEAR(wrong.models[wrong.best].estimates.front().value, 4, 1);
+}
+
+TEST(BulkDiagnosisTest, AValueThatTheSceneStatesMayBeWrong) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {{"pairs.grain-grain.friction", "0.8"}}), stand_in(), with({"friction", "rolling_friction", "cohesion"}));
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "friction (grain-grain)");
+  EXPECT_NEAR(d.models[d.best].estimates.front().value, 0.8, 0.08);
+}
+
+TEST(BulkDiagnosisTest, TwoEffectsAtOnceAreBothNamed) {
+  const std::vector<Override> both{{"pairs.grain-grain.rolling_friction", "0.075"}, {"effects.grain_shape.aspect", "1.5"}};
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(18, 500, both), stand_in(), with({"rolling_friction", "grain_shape", "restitution"}));
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "rolling_friction (grain-grain) + grain_shape");
+  ASSERT_EQ(d.models[d.best].estimates.size(), 2u);
+  EXPECT_NEAR(d.models[d.best].estimates[0].value, 0.075, 0.03);
+  EXPECT_NEAR(d.models[d.best].estimates[1].value, 1.5, 0.1);
+  EXPECT_GT(d.remaining_p, 0.01);
+  const YamlNode extended = parse_yaml(d.extended_scene, "extended");
+  EXPECT_NEAR(number_at(extended, "effects.grain_shape.aspect", 0), d.models[d.best].estimates[1].value, 1e-12);
+  EXPECT_NEAR(number_at(extended, "pairs.grain-grain.rolling_friction", 0), d.models[d.best].estimates[0].value, 1e-12);
+}
+
+// Beside rolling friction, cohesion slows the stand-in's flow and steepens its heap as elongation does.
+TEST(BulkDiagnosisTest, SecondEffectsThatActAlikeAreOneClass) {
+  const std::vector<Override> both{{"pairs.grain-grain.rolling_friction", "0.075"}, {"effects.grain_shape.aspect", "1.5"}};
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(18, 500, both), stand_in(), with(usual));
+  EXPECT_EQ(d.verdict.word, "ambiguous");
+  ASSERT_EQ(d.verdict.indistinguishable.size(), 1u);
+  std::vector<std::string> names = d.verdict.indistinguishable.front();
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(names, (std::vector<std::string>{"cohesion", "grain_shape"}));
+}
+
+TEST(BulkDiagnosisTest, PhysicsBesideAnErrorOfTheRecordingIsFound) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(18, 500, rolling, {.length_factor = 1.12}), stand_in(), with({"rolling_friction", "cohesion", "restitution", "length_scale"}));
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "rolling_friction (grain-grain) + length_scale");
+  ASSERT_EQ(d.models[d.best].estimates.size(), 2u);
+  EXPECT_NEAR(d.models[d.best].estimates[0].value, 0.075, 0.025);
+  EXPECT_NEAR(d.models[d.best].estimates[1].value, 1.12, 0.02);
+  EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 2);
+  // The ruler stays out of the scene.
+  EXPECT_NEAR(number_at(parse_yaml(d.extended_scene, "extended"), "pairs.grain-grain.rolling_friction", 0), d.models[d.best].estimates[0].value, 1e-12);
+}
+
+TEST(BulkDiagnosisTest, OneEffectIsNotToldAsTwo) {
+  for (std::uint64_t i = 1; i <= 10; ++i) {
+    const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 100 * i, rolling), stand_in(), with(usual, i));
+    EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.terms.size(), 1u) << i;
+  }
+}
+
+TEST(BulkDiagnosisTest, AnotherEngineIsNoPhysics) {
+  BulkOptions options = with(usual);
+  options.other_backends = {"lacking", "other"};
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {}, {.hidden_flow = flow_of_the_other}), stand_in(), options);
+  EXPECT_EQ(d.verdict.word, "numerics");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "engine_law");
+  EXPECT_EQ(d.models[d.best].model.candidate.backend, "other");
+  // One that can solve nothing of the scene says nothing.
+  options.other_backends = {"lacking"};
+  EXPECT_EQ(diagnose_bulk(recorded_heaps(12, 500, rolling), stand_in(), options).verdict.word, "missing");
+}
+
 TEST(BulkDiagnosisTest, AConstantThatNobodyMeasuredIsCalibrated) {
   Bundle bundle = recorded_heaps(12, 500, {{"pairs.grain-grain.friction", "0.8"}});
   bundle.calibrate = {"pairs.grain-grain.friction"};

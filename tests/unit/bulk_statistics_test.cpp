@@ -152,6 +152,36 @@ TEST(EmulatorTest, FindsTheAxisThatDoesNothing) {
   EXPECT_GT(emulator.lengths()[1], 2 * emulator.lengths()[0]);
 }
 
+// Known along both axes alone, the square between them is their sum as far as nothing says otherwise; one group would fall back to the mean there.
+TEST(EmulatorTest, GroupsCarryWhatIsKnownOfEachAxisIntoTheSquare) {
+  std::vector<Eigen::Vector2d> places;
+  for (int i = 0; i <= 8; ++i) {
+    places.emplace_back(i / 8.0, 0);
+    if (i > 0) places.emplace_back(0, i / 8.0);
+  }
+  const auto n = static_cast<Index>(places.size());
+  MatrixXd at(n, 2);
+  VectorXd y(n);
+  const auto f = [](const Eigen::Vector2d& u) { return 3 * u[0] + 2 * std::sin(3 * u[1]); };
+  for (Index i = 0; i < n; ++i) {
+    at.row(i) = places[static_cast<std::size_t>(i)].transpose();
+    y[i] = f(places[static_cast<std::size_t>(i)]);
+  }
+  const Emulator added(at, y, VectorXd::Constant(n, 1e-4), {0, 1}), joint(at, y, VectorXd::Constant(n, 1e-4));
+  double by_groups = 0, by_one = 0, deviates = 0;
+  for (const double a : {0.3, 0.6, 0.9})
+    for (const double b : {0.3, 0.6, 0.9}) {
+      const Eigen::Vector2d u(a, b);
+      const Emulator::Prediction p = added.at(u);
+      by_groups += std::pow(p.mean - f(u), 2);
+      by_one += std::pow(joint.at(u).mean - f(u), 2);
+      deviates = std::max(deviates, std::abs(p.mean - f(u)) / std::sqrt(p.variance));
+    }
+  EXPECT_LT(by_groups, 0.5 * by_one);
+  EXPECT_LT(deviates, 3);
+  EXPECT_THROW(Emulator(at, y, VectorXd::Constant(n, 1e-4), {0}), Error);
+}
+
 TEST(EmulatorTest, RefusesWhatIsNotFinite) {
   EXPECT_THROW(Emulator(MatrixXd::Zero(1, 1), VectorXd::Constant(1, std::nan("")), VectorXd::Ones(1)), Error);
 }
@@ -183,6 +213,10 @@ TEST(CandidateTest, RefusesAnUnknownEffectAndOneThatTheSceneHas) {
   bundle.runs.emplace_back();
   const NaturalScale scale = natural_scale(realise(bundle.scene, 1));
   EXPECT_THROW(bulk_candidates(bundle, scale, {"rolling_frction"}, 8), Error);
+  const auto stated = bulk_candidates(bundle, scale, {"friction"}, 8);  // 0.5, which may be wrong
+  ASSERT_EQ(stated.size(), 1u);
+  EXPECT_NEAR(value_at(stated[0].parameters[0], null_point(stated[0], VectorXd())[0]), 0.5, 1e-12);
+  bundle.calibrate = {"pairs.grain-grain.friction"};
   EXPECT_THROW(bulk_candidates(bundle, scale, {"friction"}, 8), Error);
 }
 
