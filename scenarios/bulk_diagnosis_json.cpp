@@ -38,10 +38,11 @@ json missing_json(const BulkDiagnosis& d) {
   double probability = 0;
   for (const Ranked& r : d.verdict.ranked)
     if (r.model >= 0 && static_cast<std::size_t>(r.model) == d.best) probability = r.probability;
-  for (const std::string& effect : best.model.candidate.hypothesis.names()) {
+  for (const Term& term : best.model.candidate.hypothesis.terms) {
+    const std::string& effect = term.row->name;
     json parameters = json::object();
     for (const BulkEstimate& e : best.estimates)
-      if (e.effect == effect) parameters[e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}, {"unit", e.unit}};
+      if (e.effect == effect && e.name.find(term.place) != std::string::npos) parameters[e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}, {"unit", e.unit}};
     list.push_back({{"effect", effect}, {"probability", probability}, {"parameters", parameters}});
   }
   return list;
@@ -158,10 +159,10 @@ std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
   for (const BulkEstimate& e : best.estimates)
     if (!e.effect.empty()) name += fmt::format(", {} = {:.3g}{} ({:.3g} to {:.3g})", e.name, e.value, e.unit == "1" ? "" : " " + e.unit, e.lower, e.upper);
   if (d.verdict.word == "ambiguous") {
-    std::vector<std::string> rivals;
-    for (const std::string& other : d.verdict.indistinguishable.front())
-      if (other != best.model.candidate.hypothesis.names().front()) rivals.push_back(other);
-    text += fmt::format("The best explanation is {}; these observables cannot tell it from {}.", name, fmt::join(rivals, ", "));
+    // The first of the class is the best's own.
+    const std::vector<std::string>& alike = d.verdict.indistinguishable.front();
+    text += fmt::format("The best explanation is {}; these observables cannot tell {} from {}.", name, best.model.candidate.hypothesis.terms.size() > 1 ? alike.front() : "it",
+                        fmt::join(alike.begin() + 1, alike.end(), ", "));
   } else {
     text += name + (best.model.candidate.hypothesis.terms.size() > 1 ? " explain it." : " explains it.");
   }

@@ -171,7 +171,7 @@ diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle&
     for (const diagnosis::BulkRequest& request : requests) {
       Options options;
       options.backend = engine_of(request).name;
-      options.allow_unsupported = how.allow_unsupported;
+      options.allow_unsupported = how.allow_unsupported && request.backend.empty();  // an engine that leaves out physics would only seem to explain
       options.force = true;  // a value that is tried may be absurd
       layers.try_emplace(options.backend, options, LayerRuns::Beds::dropped);
     }
@@ -180,7 +180,7 @@ diagnosis::SimulateBulk simulate_bulk_with(const Backend& backend, const Bundle&
         Scene scene = parse_scene(requests[job.scene].scene, bundle.scene_file.string(), {}, bundle.scene_file.parent_path());
         scene.solver.threads = 1;
         const Backend& engine = engine_of(requests[job.scene]);
-        return scene.layer ? spread_one(layers.at(engine.name), scene, job.seed) : simulate_one(engine, scene, job.seed, shown, how.allow_unsupported);
+        return scene.layer ? spread_one(layers.at(engine.name), scene, job.seed) : simulate_one(engine, scene, job.seed, shown, how.allow_unsupported && requests[job.scene].backend.empty());
       } catch (const Error& e) {
         if (interrupted()) return std::nullopt;
         // A scene that cannot be built or run with a tried value is a point that failed, not bad input. Of the nominal scene it is told as such.

@@ -20,10 +20,18 @@ using Eigen::VectorXd;
 constexpr std::uint64_t seeds_apart = 1'000'000;  // simulated packings are never those of a recording made with small seeds
 constexpr double resolution = 1e-6;               // of a summary, as a share of its value
 constexpr double moved = 0.5;                     // standard deviations of the posterior: then the fit is simulated once more
-constexpr double pair_gain = 5;                   // nats that a second effect must gain to be looked at: what it costs, and some
+constexpr double least_gain_of_pair = 4;          // nats, beyond what its parameters cost, that two effects must be foreseen to gain over the best one
 constexpr double near_the_best = 10;              // nats: numerics that come so close are simulated as often as the best candidates
-constexpr int glance = 512, look = 4096;          // points of a cube, to foresee a pair
+constexpr int glance = 512, look = 4096;          // points of a square, to foresee a pair
 constexpr std::size_t looked_at = 8;              // pairs, after a glance
+
+/// As many more as a cube of so many axes needs to be filled half as densely along each.
+int filling(int square, Index axes) {
+  constexpr Index densest = 4;
+  return square << std::clamp<Index>(axes - 2, 0, densest);
+}
+
+bool is_simulated(const BulkModel& model) { return model.candidate.kind == BulkCandidate::Kind::simulated; }
 
 MatrixXd columns(const MatrixXd& rows, const std::vector<Index>& chosen) {
   MatrixXd result(rows.rows(), static_cast<Index>(chosen.size()));
@@ -107,9 +115,20 @@ void BulkCampaign::find_scatter() {
 }
 
 void BulkCampaign::fit(BulkModel& model) {
+  const auto axes = static_cast<Index>(model.candidate.parameters.size());
   model.posterior = posterior_of(data_, predictor(model, models_.front(), data_, scatter_.covariance), scatter_.covariance,
-                                 static_cast<Index>(model.candidate.parameters.size()));
+                                 axes, filling(look, axes));
   model.fitted_designs = model.design.size();
+  model.error_at_fit.resize(0);
+  const Index known = scene_axes(model.candidate);
+  if (model.direct < 0 || known == axes || known == 0) return;
+  // Along a valley the error of the recording goes with the coefficient: where that was simulated, and not where it is likeliest.
+  VectorXd point = fitted_point(model);
+  const Predict there = [&, predict = predictor(model, models_.front(), data_, scatter_.covariance)](const VectorXd& error) {
+    point.tail(error.size()) = error;
+    return predict(point);
+  };
+  model.error_at_fit = posterior_of(data_, there, scatter_.covariance, axes - known).best;
 }
 
 void BulkCampaign::simulate_fit(const std::string& stage, const std::vector<BulkModel*>& models, int seeds) {
@@ -239,6 +258,7 @@ void BulkCampaign::fit_numerics(const char* effect, const std::string& backend) 
   model.candidate.backend = backend;
   const BulkModel& nominal = models_.front();
   model.candidate.calibrated = values_at(nominal.candidate, nominal.design[static_cast<std::size_t>(nominal.direct)].at);
+  const std::size_t failed = failures_;
   const std::string stage = backend.empty() ? "a finer step" : "the nominal scene by " + backend;
   double best = worth(nominal);
   for (const BulkModel& m : models_)
@@ -255,8 +275,9 @@ void BulkCampaign::fit_numerics(const char* effect, const std::string& backend) 
     models_.pop_back();
     throw;
   }
-  // An engine that lacks something of the scene says nothing; of several the best stands for all.
+  // An engine that lacks something of the scene says nothing, and did not fail; of several the best stands for all.
   if (!std::isfinite(model.posterior.best_log_likelihood)) {
+    if (!backend.empty()) failures_ = failed;
     models_.pop_back();
   } else if (other != nullptr) {
     if (worth(model) > worth(*other)) *other = std::move(model);
@@ -265,60 +286,70 @@ void BulkCampaign::fit_numerics(const char* effect, const std::string& backend) 
 }
 
 /// The two together as their sum; its posterior is foreseen.
-BulkModel BulkCampaign::foreseen(const BulkModel& a, const BulkModel& b, int points) const {
+BulkModel BulkCampaign::foreseen(const Predicted& a, const Predicted& b, const Predicted& nominal, int points) const {
   BulkModel pair;
-  pair.candidate = together(a.candidate, b.candidate);
-  pair.parts = {&a, &b};
-  pair.posterior = posterior_of(data_, superposed(pair.candidate, a, b, models_.front(), data_, scatter_.covariance), scatter_.covariance,
-                                static_cast<Index>(pair.candidate.parameters.size()), points);
+  pair.candidate = together(a.model->candidate, b.model->candidate);
+  pair.parts = {a.model, b.model};
+  const auto axes = static_cast<Index>(pair.candidate.parameters.size());
+  pair.posterior = posterior_of(data_, superposed(pair.candidate, a, b, nominal), scatter_.covariance, axes, filling(points, axes));
   return pair;
 }
 
-/// Pairs foreseen to gain enough over `to_beat`, the best first.
-std::vector<BulkModel> BulkCampaign::foresee_pairs(double to_beat) const {
-  std::vector<const BulkModel*> singles;
+/// Pairs that are foreseen to be worth more than `least`, the best first.
+std::vector<BulkModel> BulkCampaign::foresee_pairs(double least) const {
+  const auto predicted = [&](const BulkModel& m) { return Predicted{&m, predictor(m, models_.front(), data_, scatter_.covariance)}; };
+  const Predicted nominal = predicted(models_.front());
+  std::vector<Predicted> singles;
   for (const BulkModel& m : models_)
-    if (&m != &models_.front() && m.candidate.kind != BulkCandidate::Kind::numerics) singles.push_back(&m);
-  std::vector<BulkModel> pairs;
-  const auto best_first = [](const BulkModel& a, const BulkModel& b) { return worth(a) > worth(b); };
+    if (&m != &models_.front() && m.candidate.kind != BulkCandidate::Kind::numerics) singles.push_back(predicted(m));
+  struct Two {
+    std::size_t first, second;
+    BulkModel model;
+  };
+  std::vector<Two> pairs;
+  const auto best_first = [&] { std::stable_sort(pairs.begin(), pairs.end(), [](const Two& a, const Two& b) { return worth(a.model) > worth(b.model); }); };
   for (std::size_t i = 0; i < singles.size(); ++i)
     for (std::size_t j = i + 1; j < singles.size(); ++j) {
-      pairs.push_back(foreseen(*singles[i], *singles[j], glance));
-      std::stable_sort(pairs.begin(), pairs.end(), best_first);
+      pairs.push_back({i, j, foreseen(singles[i], singles[j], nominal, glance)});
+      best_first();
       if (pairs.size() > looked_at) pairs.pop_back();
     }
-  for (BulkModel& pair : pairs) pair = foreseen(*pair.parts.front(), *pair.parts.back(), look);
-  std::stable_sort(pairs.begin(), pairs.end(), best_first);
-  std::erase_if(pairs, [&](const BulkModel& pair) { return !(worth(pair) > to_beat + pair_gain - cost_of_parameter); });
-  if (pairs.size() > static_cast<std::size_t>(options_.pairs)) pairs.resize(static_cast<std::size_t>(options_.pairs));
-  return pairs;
+  for (Two& pair : pairs) pair.model = foreseen(singles[pair.first], singles[pair.second], nominal, look);
+  best_first();
+  std::vector<BulkModel> promising;
+  for (Two& pair : pairs)
+    if (worth(pair.model) > least && promising.size() < static_cast<std::size_t>(options_.pairs)) promising.push_back(std::move(pair.model));
+  return promising;
 }
 
 void BulkCampaign::pairs() {
-  const BulkModel* best = nullptr;
+  if (options_.pairs < 1) return;
+  const BulkModel* best = nullptr;  // of those that can be tested
   for (const BulkModel& m : models_)
-    if (&m != &models_.front() && (best == nullptr || worth(m) > worth(*best))) best = &m;
+    if (&m != &models_.front() && (m.direct >= 0 || !is_simulated(m)) && (best == nullptr || worth(m) > worth(*best))) best = &m;
   if (best == nullptr || lack_of_fit(*best).p > level) return;
-  std::vector<BulkModel*> added;
+  std::vector<BulkModel*> added, to_simulate;
   std::vector<Wanted> wanted;
-  for (BulkModel& pair : foresee_pairs(worth(*best))) {
+  for (BulkModel& pair : foresee_pairs(worth(*best) + least_gain_of_pair)) {
     models_.push_back(std::move(pair));
     added.push_back(&models_.back());
-    if (added.back()->candidate.kind == BulkCandidate::Kind::recording) continue;
+    if (!is_simulated(*added.back())) continue;
+    to_simulate.push_back(added.back());
     const MatrixXd points = added.back()->posterior.representatives(options_.pair_points);
     for (Index i = 0; i < points.rows(); ++i) wanted.push_back({added.back(), points.row(i).transpose(), options_.refined_seeds});
   }
   try {
     if (!wanted.empty()) simulate("two effects at once", wanted);
     for (BulkModel* model : added) fit(*model);
-    std::vector<BulkModel*> simulated = added;
-    std::erase_if(simulated, [](const BulkModel* m) { return m->candidate.kind != BulkCandidate::Kind::simulated; });
-    for (int round = 0; round < 2; ++round) simulate_fit("simulating the best pairs directly", simulated, options_.direct_seeds);
+    for (int round = 0; round < 2; ++round) simulate_fit("simulating the best pairs directly", to_simulate, options_.direct_seeds);
   } catch (const BulkInterrupted&) {
     // What was only foreseen is no result.
     for (std::size_t i = 0; i < added.size(); ++i) models_.pop_back();
     throw;
   }
+  // Two that can each be built need not be able to be built together: what no simulation bears out is no result either.
+  for (BulkModel* model : added)
+    if (lack_of_fit(*model).dimensions == 0) model->posterior = {};
 }
 
 BulkCampaign::LackOfFit BulkCampaign::lack_of_fit(const BulkModel& model) const {
@@ -332,9 +363,9 @@ BulkCampaign::LackOfFit BulkCampaign::lack_in_tested(const BulkModel& model) con
   for (std::size_t s = 0; s < data_.settings.size(); ++s) {
     const MatrixXd simulated = columns(rows_at_fit(model, models_.front(), data_, s), data_.tested), recorded = columns(data_.settings[s].train, data_.tested);
     if (recorded.rows() == 0) continue;
-    VectorXd extra(static_cast<Index>(data_.tested.size()));
+    VectorXd extra(static_cast<Index>(data_.tested.size()));  // rounding is the same in every run
     for (Index k = 0; k < extra.size(); ++k)
-      extra[k] = data_.extra[data_.tested[static_cast<std::size_t>(k)]] + std::pow(resolution * recorded.col(k).cwiseAbs().maxCoeff(), 2);
+      extra[k] = data_.extra[data_.tested[static_cast<std::size_t>(k)]] + static_cast<double>(recorded.rows()) * std::pow(resolution * recorded.col(k).cwiseAbs().maxCoeff(), 2);
     const int here = std::min(spent, static_cast<int>(data_.tested.size()));
     spent -= here;
     const MeanTest test = same_mean(recorded, simulated, extra, here);
@@ -348,27 +379,29 @@ BulkCampaign::LackOfFit BulkCampaign::lack_in_tested(const BulkModel& model) con
   return result;
 }
 
-/// T^2 of all summaries and settings with the shrunken scatter, whose degrees of freedom are those of all seeds:
-///   F = T^2 (nu - d + 1) / (nu d) ~ F(d, nu - d + 1),   d = summaries and settings less what was fitted.
+/// T^2 of all summaries with the shrunken scatter, whose degrees of freedom are those of all seeds:
+///   F = T^2 (nu - d + 1) / (nu d) ~ F(d, nu - d + 1),   d = summaries less what was fitted; settings by Fisher
 BulkCampaign::LackOfFit BulkCampaign::lack_in_all(const BulkModel& model) const {
   LackOfFit result;
-  double statistic = 0;
-  int numbers = 0;
+  std::vector<double> p;
+  int spent = static_cast<int>(model.candidate.parameters.size());
   for (std::size_t s = 0; s < data_.settings.size(); ++s) {
     const MatrixXd simulated = complete_rows(rows_at_fit(model, models_.front(), data_, s)), recorded = complete_rows(data_.settings[s].train);
     if (simulated.rows() == 0 || recorded.rows() == 0) continue;
     const double na = static_cast<double>(recorded.rows()), nb = static_cast<double>(simulated.rows());
     MatrixXd c = scatter_.covariance * (1 / na + 1 / nb);
     c.diagonal() += data_.extra / na;
-    statistic += squared_distance((recorded.colwise().mean() - simulated.colwise().mean()).transpose(), c);
-    numbers += static_cast<int>(c.rows());
+    const double statistic = squared_distance((recorded.colwise().mean() - simulated.colwise().mean()).transpose(), c);
+    const int numbers = static_cast<int>(c.rows()), here = std::min(spent, numbers), d = numbers - here;
+    spent -= here;
+    const double left = scatter_.dof - d + 1;
+    if (d < 1 || left <= 0 || !std::isfinite(statistic)) continue;
+    const double ratio = statistic * left / (scatter_.dof * d);
+    p.push_back(boost::math::cdf(boost::math::complement(boost::math::fisher_f(d, left), ratio)));
+    result.dimensions += d;
+    result.ratio = std::max(result.ratio, ratio);
   }
-  const int d = numbers - static_cast<int>(model.candidate.parameters.size());
-  const double left = scatter_.dof - d + 1;
-  if (d < 1 || left <= 0 || !std::isfinite(statistic)) return result;
-  result.dimensions = d;
-  result.ratio = statistic * left / (scatter_.dof * d);
-  result.p = boost::math::cdf(boost::math::complement(boost::math::fisher_f(d, left), result.ratio));
+  result.p = combined_p(p);
   return result;
 }
 

@@ -28,8 +28,8 @@ class BulkCampaign {
   /// Where the best leaves more than noise: two effects at once, of which their sum is foreseen to gain most.
   void pairs();
 
-  /// Hotelling's test of the training runs against the fitted model, all settings together. Of more than one effect on all summaries with the shrunken scatter: three
-  /// would hardly outnumber what was fitted.
+  /// Hotelling's test of the training runs against the fitted model, all settings together. Of more than one effect on all summaries with the shrunken scatter, for
+  /// three would hardly outnumber what was fitted. No dimensions: untested.
   struct LackOfFit {
     double p = 1;
     int dimensions = 0;
@@ -59,7 +59,7 @@ class BulkCampaign {
   void fit_numerics(const char* effect, const std::string& backend);
   LackOfFit lack_in_tested(const BulkModel& model) const;
   LackOfFit lack_in_all(const BulkModel& model) const;
-  BulkModel foreseen(const BulkModel& a, const BulkModel& b, int points) const;
+  BulkModel foreseen(const Predicted& a, const Predicted& b, const Predicted& nominal, int points) const;
   std::vector<BulkModel> foresee_pairs(double to_beat) const;
   BulkModel* find(const std::vector<std::string>& effects);
   static double worth(const BulkModel& model);

@@ -19,6 +19,8 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
+constexpr std::size_t most_stated = 2;  // values of the scene that may be wrong, beside what it lacks
+
 /// Heaps flow and stand only in a part of the library's bounds: an attraction of a thousand weights, or honey for air, clogs any outlet.
 /// In natural units.
 struct BulkRange {
@@ -40,13 +42,16 @@ double natural_unit(const std::string& parameter, const NaturalScale& scale) {
 
 bool one_sided(const Parameter& p) { return !p.logarithmic && p.null == p.lower; }
 
-void narrow(Parameter& p, const NaturalScale& scale) {
+void narrow(Parameter& p, const NaturalScale& scale, bool stated) {
   const std::string last = p.key.substr(p.key.rfind('.') + 1);
   for (const BulkRange& range : narrower)
     if (p.effect == range.effect && last == range.parameter) {
       const double unit = natural_unit(last, scale);
       p.lower = std::max(p.lower, range.lower * unit);
       p.upper = std::min(p.upper, range.upper * unit);
+      if (!stated) continue;
+      p.lower = std::min(p.lower, p.null);
+      p.upper = std::max(p.upper, p.null);
     }
 }
 
@@ -54,7 +59,7 @@ BulkCandidate candidate_of(const Term& term, const BulkCandidate& nominal, const
   BulkCandidate candidate = nominal;
   candidate.hypothesis.terms = {term};
   for (Parameter p : parameters_of(term, scale, {}).shared) {
-    narrow(p, scale);
+    narrow(p, scale, !term.stated.empty());
     candidate.parameters.push_back(p);
   }
   return candidate;
@@ -169,12 +174,12 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   std::vector<BulkCandidate> result;
   std::vector<std::string> taken;
   std::vector<Term> terms = possible_terms(bundle, scale);
-  // What the scene states may be wrong; last, so that where an effect has two places the one that is missing comes first.
   for (Term& term : stated_terms(bundle, scale)) terms.push_back(std::move(term));
+  std::size_t missing = 0, stated = 0;
   for (const std::string& name : wanted.empty() ? bulk_effects() : wanted)
     for (const Term& term : terms) {
       if (term.row->name != name || term.row->site == EffectSite::measurement || !among_grains(term, bundle.scene)) continue;
-      if (wanted.empty() && result.size() >= most) continue;
+      if (std::size_t& count = term.stated.empty() ? missing : stated; wanted.empty() && count++ >= (term.stated.empty() ? most : most_stated)) continue;
       result.push_back(within_the_possible(candidate_of(term, nominal, scale), bundle, scale));
       taken.push_back(name);
     }

@@ -80,6 +80,14 @@ double excess(const BulkModel& model, const BulkModel& nominal, const BulkData& 
   return std::max(0.0, sum);
 }
 
+/// Does the one list hold all of the other?
+bool shares_all(const std::vector<std::string>& a, const std::vector<std::string>& b) {
+  const auto within = [](const std::vector<std::string>& few, const std::vector<std::string>& many) {
+    return std::all_of(few.begin(), few.end(), [&](const std::string& name) { return std::find(many.begin(), many.end(), name) != many.end(); });
+  };
+  return within(a, b) || within(b, a);
+}
+
 std::vector<std::vector<Observation>> recorded(const Bundle& bundle, const std::vector<std::size_t>& runs) {
   std::vector<std::vector<Observation>> result;
   for (const std::size_t i : runs) result.push_back(bundle.runs[i].observations);
@@ -170,13 +178,13 @@ class BulkDiagnosing {
     const BulkModel& nominal = *models_.front();
     for (const BulkModel* m : models_)
       result_.models.push_back({*m, estimates_of(*m), score_of(*m, nominal, result_.data, result_.scatter, false), score_of(*m, nominal, result_.data, result_.scatter, true)});
+    for (BulkFitted& fitted : result_.models) fitted.model.parts.clear();  // which end with the campaign
     compare_held_out();
     suggest();
     const BulkModel& best = *models_[result_.best];
-    const VectorXd at = fitted_point(best);
     // An error of the recording changes nothing in the scene.
     const bool of_scene = best.candidate.kind != BulkCandidate::Kind::recording;
-    result_.extended_scene = emit_yaml(bulk_scene(bundle_, campaign_.scale(), of_scene ? best.candidate : nominal.candidate, of_scene ? at : nominal.posterior.best));
+    result_.extended_scene = emit_yaml(bulk_scene(bundle_, campaign_.scale(), of_scene ? best.candidate : nominal.candidate, fitted_point(of_scene ? best : nominal)));
   }
 
   void judge_models() {
@@ -208,8 +216,14 @@ class BulkDiagnosing {
       const auto worth = [&](std::size_t j) { return models_[j]->posterior.best_log_likelihood - static_cast<double>(models_[j]->candidate.parameters.size()); };
       if (worth(i) > worth(leading)) leading = i;
     }
-    if (leading != 0) result_.remaining_p = campaign_.lack_of_fit(*models_[leading]).p;
-    result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p);
+    // What is left over is that of the model which is named; that is first thought to be the likeliest.
+    for (int pass = 0; pass < 3; ++pass) {
+      if (leading != 0) result_.remaining_p = campaign_.lack_of_fit(*models_[leading]).p;
+      result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p);
+      const auto named = static_cast<std::size_t>(result_.verdict.best);
+      if (named == 0 || named == leading) break;
+      leading = named;
+    }
     result_.best = static_cast<std::size_t>(result_.verdict.best);
     result_.explained = evidence[result_.best].explained;
   }
@@ -229,17 +243,15 @@ class BulkDiagnosing {
     result_.effect_size = gain.effect_size;
   }
 
-  /// The best against those it cannot be told from, else against its nearest rival.
+  /// The best against those it cannot be told from, else against its nearest rival that is no part of it.
   void suggest() {
     if (result_.best == 0) return;
     const BulkModel& best = *models_[result_.best];
-    std::vector<std::string> names;
-    if (!result_.verdict.indistinguishable.empty()) names = result_.verdict.indistinguishable.front();
-    for (const Ranked& r : result_.verdict.ranked) {
-      if (r.model <= 0 || static_cast<std::size_t>(r.model) == result_.best) continue;
-      const bool rival = names.empty() ? result_.suggested.empty() : std::find(names.begin(), names.end(), r.effects.front()) != names.end();
-      if (!rival) continue;
-      SuggestedRecording s = bulk_recording_that_parts(best, *models_[static_cast<std::size_t>(r.model)], *models_.front(), result_.data, bundle_.runs.front().observations);
+    std::vector<int> rivals = result_.verdict.rivals;
+    for (const Ranked& r : result_.verdict.ranked)
+      if (rivals.empty() && r.model > 0 && static_cast<std::size_t>(r.model) != result_.best && !shares_all(r.effects, best.candidate.hypothesis.names())) rivals = {r.model};
+    for (const int rival : rivals) {
+      SuggestedRecording s = bulk_recording_that_parts(best, *models_[static_cast<std::size_t>(rival)], *models_.front(), result_.data, bundle_.runs.front().observations);
       if (!s.what.empty()) result_.suggested.push_back(std::move(s));
     }
   }

@@ -3,9 +3,9 @@
 ///
 ///   1 observation model   bulk_summary.hpp; scatter between seeds, bulk_statistics.hpp
 ///   2 calibration         on an emulator over the constants that nobody measured, bulk_emulator.hpp
-///   3 nested optimum      every emulator knows the nominal runs and its grid holds the point that does nothing
+///   3 nested optimum      every emulator knows the nominal runs, that of a pair those of its parts as well; one summed over points that fill its axes cannot fail
 ///   4 lack of fit         Hotelling's T^2 on at most three summaries chosen beforehand; several settings by Fisher; in doubt
-///                         three times as many packings of the nominal scene decide
+///                         three times as many packings of the nominal scene decide. What a pair leaves: all summaries, shrunken covariance
 ///   5 locate              bulk_locate.hpp
 ///   7 candidates          bulk_candidate.hpp, bulk_recording_error.hpp: a profile of few runs each, then more runs where the posterior lies, for the best
 ///                         few; pairs where one effect is not enough; the nominal scene solved more finely and by other engines

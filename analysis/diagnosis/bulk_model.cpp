@@ -167,6 +167,7 @@ MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<Bul
 VectorXd fitted_point(const BulkModel& model) {
   VectorXd point = model.posterior.best;
   if (const DesignPoint* simulated = at_fit(model)) point.head(scene_axes(model.candidate)) = simulated->at.head(scene_axes(model.candidate));
+  point.tail(model.error_at_fit.size()) = model.error_at_fit;
   return point;
 }
 
@@ -210,21 +211,22 @@ Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkDa
   };
 }
 
-Predict superposed(const BulkCandidate& pair, const BulkModel& a, const BulkModel& b, const BulkModel& nominal, const BulkData& data, const MatrixXd& scatter) {
-  const auto of = [&](const BulkModel& model) {
-    // An error of the recording was made on the nominal scene as it was fitted, whatever its constants are elsewhere.
-    const bool as_fitted = &model == &nominal && (a.candidate.kind == BulkCandidate::Kind::recording || b.candidate.kind == BulkCandidate::Kind::recording);
-    const VectorXd elsewhere = &model == &nominal ? fitted_point(nominal) : null_point(model.candidate, VectorXd(0));
-    return [=, predict = predictor(model, nominal, data, scatter), &model](const VectorXd& point) {
-      return predict(as_fitted ? elsewhere : carried_over(pair, point, model.candidate, elsewhere));
-    };
+Predict superposed(const BulkCandidate& pair, const Predicted& a, const Predicted& b, const Predicted& nominal) {
+  const auto of_recording = [](const Predicted& p) { return p.model->candidate.kind == BulkCandidate::Kind::recording; };
+  const bool first_simulated = !of_recording(a), second_simulated = !of_recording(b);
+  // An error of the recording was made on the nominal scene as it was fitted, whatever its constants are elsewhere.
+  const bool as_fitted = !first_simulated || !second_simulated;
+  const VectorXd fitted = fitted_point(*nominal.model);
+  const auto at = [&pair](const Predicted& p, const VectorXd& point, const VectorXd& elsewhere) {
+    return p.predict(carried_over(pair, point, p.model->candidate, elsewhere));
   };
-  return [first = of(a), second = of(b), neither = of(nominal)](const VectorXd& point) {
-    BulkPrediction sum = first(point);
-    const BulkPrediction more = second(point), less = neither(point);
+  const VectorXd beside_first = null_point(a.model->candidate, VectorXd(0)), beside_second = null_point(b.model->candidate, VectorXd(0));
+  return [=](const VectorXd& point) {
+    BulkPrediction sum = at(a, point, beside_first);
+    const BulkPrediction more = at(b, point, beside_second), less = as_fitted ? nominal.predict(fitted) : at(nominal, point, fitted);
     for (std::size_t s = 0; s < sum.mean.size(); ++s) {
       sum.mean[s] += more.mean[s] - less.mean[s];
-      sum.variance[s] += more.variance[s];
+      if (second_simulated) sum.variance[s] = first_simulated ? VectorXd(sum.variance[s] + more.variance[s]) : more.variance[s];
     }
     return sum;
   };

@@ -39,6 +39,7 @@ struct BulkModel {
   std::vector<const BulkModel*> parts;  ///< of a pair: what is known of each effect alone is known of it
   std::vector<DesignPoint> design;
   int direct = -1;                ///< index of the design point that stands for the fitted model; -1: none yet
+  Eigen::VectorXd error_at_fit;   ///< of the recording's axes, likeliest where `direct` was simulated
   BulkPosterior posterior;
   std::size_t fitted_designs = 0; ///< length of `design` that the posterior knows
 };
@@ -46,17 +47,23 @@ struct BulkModel {
 /// Summaries of outcomes, NaN where there are none. One row each.
 Eigen::MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<BulkSummary>& summaries);
 
-/// Where the model was fitted: the scene's axes as simulated, the recording's as they are likeliest.
+/// Where the model was fitted: the scene's axes as simulated, the recording's as they are likeliest there.
 Eigen::VectorXd fitted_point(const BulkModel& model);
 
 /// What the model expects. Without axes in the scene: the means of its replicates, or of the nominal's. Else one emulator for each summary and setting,
-/// which knows where the nominal scene and the parts of a pair lie as well. Errors of the recording shift that by what they do to the outcomes at the
-/// fit, several one after another. `nominal` and the parts must outlive the result; `scatter` S between seeds.
+/// which knows where the nominal scene and the parts of a pair lie as well. An error of the recording shifts that by what it does to the outcomes at the
+/// fit; of two the shifts are added. `nominal` and the parts must outlive the result; `scatter` S between seeds.
 Predict predictor(const BulkModel& model, const BulkModel& nominal, const BulkData& data, const Eigen::MatrixXd& scatter);
 
-/// What `pair`, a candidate of the two models together, would be expected to do if each did what it does alone: a + b - nominal. For foresight; the same
-/// must outlive it.
-Predict superposed(const BulkCandidate& pair, const BulkModel& a, const BulkModel& b, const BulkModel& nominal, const BulkData& data, const Eigen::MatrixXd& scatter);
+/// A model and what it expects.
+struct Predicted {
+  const BulkModel* model;
+  Predict predict;
+};
+
+/// What `pair`, a candidate of the two models together, would be expected to do if each did what it does alone: a + b - nominal. For foresight. An error of
+/// the recording adds no uncertainty to what was simulated. What `a`, `b` and `nominal` point to, and `pair`, must outlive the result.
+Predict superposed(const BulkCandidate& pair, const Predicted& a, const Predicted& b, const Predicted& nominal);
 
 /// The replicates that stand for the fitted model, of one setting, as recorded; no rows if it was not simulated.
 Eigen::MatrixXd rows_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting);

@@ -42,10 +42,10 @@ class Density {
   MatrixXd noise_, correlation_;
 };
 
-double log_of_mean(const VectorXd& weight, const VectorXd& logs) {
-  const double top = logs.maxCoeff();
-  if (!std::isfinite(top)) return impossible;
-  return top + std::log((weight.array() * (logs.array() - top).exp()).sum());
+/// ln sum exp(x).
+double log_of_sum(const VectorXd& x) {
+  const double top = x.maxCoeff();
+  return std::isfinite(top) ? top + std::log((x.array() - top).exp().sum()) : impossible;
 }
 
 }  // namespace
@@ -102,14 +102,12 @@ BulkPosterior posterior_of(const BulkData& data, const Predict& predict, const M
   Index best = 0;
   posterior.best_log_likelihood = train.maxCoeff(&best);
   posterior.best = posterior.points.row(best).transpose();
-  if (std::isfinite(posterior.best_log_likelihood)) {
-    posterior.weight = (train.array() - posterior.best_log_likelihood).exp();
-  } else {
-    posterior.weight = VectorXd::Ones(count);
-  }
-  posterior.weight /= posterior.weight.sum();
-  posterior.held_log_likelihood = log_of_mean(posterior.weight, held);
-  for (Index j = 0; j < single.cols(); ++j) posterior.held_of_run.push_back(log_of_mean(posterior.weight, single.col(j)));
+  // Kept as logarithms: what is unlikely by the fitted runs may be where a held-out one lies.
+  if (!std::isfinite(posterior.best_log_likelihood)) train.setZero();
+  const VectorXd log_weight = train.array() - log_of_sum(train);
+  posterior.weight = log_weight.array().exp();
+  posterior.held_log_likelihood = log_of_sum(log_weight + held);
+  for (Index j = 0; j < single.cols(); ++j) posterior.held_of_run.push_back(log_of_sum(log_weight + single.col(j)));
   return posterior;
 }
 

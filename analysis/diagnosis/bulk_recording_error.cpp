@@ -41,7 +41,7 @@ BulkCandidate bias_of(const Observation& o) {
   p.key = "sensor_bias." + o.name;
   p.effect = "sensor_bias";
   p.unit = is_geometry(o) ? std::string(1, 'm') : o.unit;
-  p.upper = std::max(largest(o), 1e-300);
+  p.upper = largest(o);
   p.lower = -p.upper;
   c.parameters = {p};
   return c;
@@ -54,20 +54,19 @@ std::vector<BulkCandidate> recording_errors(const Bundle& bundle, const NaturalS
   const auto any_of = [&](auto holds) { return std::any_of(seen.begin(), seen.end(), holds); };
   std::vector<BulkCandidate> result;
   if (any_of(is_geometry)) result.push_back(of_effect("length_scale", scale));
-  // Of the other series the mean and the scatter are used, which know no clock.
   const auto flow = std::find_if(seen.begin(), seen.end(), is_flow);
   if (flow != seen.end()) {
     result.push_back(of_effect("time_scale", scale));
     const double longest = duration(*flow);
     BulkCandidate late = of_effect("time_offset", scale);
     for (Parameter& p : late.parameters) {
-      p.lower = std::max(p.lower, -0.5 * longest);
-      p.upper = std::min(p.upper, 0.5 * longest);
+      p.lower = -0.5 * longest;
+      p.upper = 0.5 * longest;
     }
-    result.push_back(std::move(late));
+    if (longest > 0) result.push_back(std::move(late));
   }
   for (const Observation& o : seen)
-    if (!is_flow(o)) result.push_back(bias_of(o));
+    if (!is_flow(o) && largest(o) > 0) result.push_back(bias_of(o));
   return result;
 }
 

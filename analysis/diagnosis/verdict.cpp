@@ -34,8 +34,14 @@ bool nested(const Evidence& small, const Evidence& large) {
 
 /// Log odds of `rival` against `best` that the scatter of their differences between runs leaves open; 0 where one cannot tell.
 double log_odds_by_runs(const Evidence& best, const Evidence& rival) {
-  if (best.per_run.size() < 2) return 0;
-  const MeanDifference d = paired_difference(best.per_run, rival.per_run);
+  std::vector<double> ours, theirs;  // a run that one of them holds to be impossible says nothing of the scatter
+  for (std::size_t i = 0; i < best.per_run.size(); ++i)
+    if (std::isfinite(best.per_run[i]) && std::isfinite(rival.per_run[i])) {
+      ours.push_back(best.per_run[i]);
+      theirs.push_back(rival.per_run[i]);
+    }
+  if (ours.size() < 2) return 0;
+  const MeanDifference d = paired_difference(ours, theirs);
   const double p = std::min(0.5, d.p_greater());
   return std::log(p / (1 - p));
 }
@@ -156,6 +162,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   for (const std::size_t i : nearest) {
     if (static_cast<int>(i) == verdict.best || score[static_cast<std::size_t>(verdict.best)] - score[i] > indistinguishable_within) continue;
     if (nested(best, evidence[i]) || nested(evidence[i], best)) continue;
+    verdict.rivals.push_back(static_cast<int>(i));
     for (const std::string& name : others.empty() ? best.effects : std::vector<std::string>{})
       if (std::find(evidence[i].effects.begin(), evidence[i].effects.end(), name) == evidence[i].effects.end()) open.push_back(name);
     for (const std::string& name : evidence[i].effects)

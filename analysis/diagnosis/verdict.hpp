@@ -38,6 +38,7 @@ struct Verdict {
   std::vector<Ranked> ranked;         ///< sums to 1; always has {} and {"unknown"}
   std::vector<std::vector<std::string>> indistinguishable;
   int best = 0;                       ///< index into the evidence
+  std::vector<int> rivals;            ///< that cannot be told from the best, the nearest first: indices into the evidence
 };
 
 /// Nats that one more parameter costs, and one more effect.

@@ -301,6 +301,22 @@ TEST(BulkDataTest, RunsOfOneSettingAreUsedAsLongAsTheShortestLasts) {
   EXPECT_TRUE(notes.empty());
 }
 
+// A held-out run may lie where the fitted ones leave no weight that a double could hold.
+TEST(PosteriorTest, AFarHeldOutRunIsUnlikelyAndNotImpossible) {
+  BulkData data;
+  data.summaries = {{"a", "a", "heap", "1"}};
+  data.extra = VectorXd::Zero(1);
+  BulkSetting setting;
+  setting.train = MatrixXd::Constant(8, 1, 0.1);
+  setting.held = MatrixXd::Constant(1, 1, 0.9);
+  data.settings = {setting};
+  const Predict line = [](const VectorXd& u) { return BulkPrediction{{u}, {VectorXd::Zero(1)}}; };
+  const BulkPosterior p = posterior_of(data, line, MatrixXd::Constant(1, 1, 1e-5), 1);
+  ASSERT_EQ(p.held_of_run.size(), 1u);
+  EXPECT_TRUE(std::isfinite(p.held_of_run.front()));
+  EXPECT_LT(p.held_of_run.front(), -1000);
+}
+
 TEST(PosteriorTest, OfALineIsNormal) {
   BulkData data;
   data.summaries.resize(1);
