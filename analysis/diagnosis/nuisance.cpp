@@ -7,18 +7,20 @@
 namespace repose::diagnosis {
 namespace {
 
-// Share of a direction that must be left. Below it what is left is the error of derivatives by differences, and a fit that has
-// not quite arrived would look like a force that nobody can tell from its start.
+// Share of a direction that must be left, of what the nuisance imitates and of what the other columns of a probe do (a ball that rolls is slowed by its weight as by
+// a force from the front). Below it what is left is the error of derivatives by differences: a fit that has not quite arrived would look like a force that
+// nobody can tell from its start, and the noise of the recording, which turns with an orientation, would be its own witness.
 constexpr double negligible = 1e-2;
+constexpr double rounding = 1e-9;
 
-/// Orthonormal basis of the columns; those that are linear combinations of others are dropped.
-Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns) {
+/// Orthonormal basis of the columns; those of which others leave no more than the share `least` are dropped.
+Eigen::MatrixXd basis_of(const Eigen::MatrixXd& columns, double least) {
   if (columns.cols() == 0) return columns;
   Eigen::MatrixXd scaled = columns;
   for (Eigen::Index i = 0; i < scaled.cols(); ++i)
     if (const double size = scaled.col(i).norm(); size > 0) scaled.col(i) /= size;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled);
-  qr.setThreshold(1e-9);
+  qr.setThreshold(least);
   return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
@@ -37,10 +39,10 @@ Nuisance::Nuisance(const Problem& problem, const Fit& fit) {
   Eigen::MatrixXd shared(total, static_cast<Eigen::Index>(fit.layout.shared.size()));
   for (std::size_t i = 0; i < fit.runs.size(); ++i) {
     residual_.segment(first_[i], fit.residual[i].size()) = fit.residual[i];
-    own_.push_back(basis_of(jacobians[i].own));
+    own_.push_back(basis_of(jacobians[i].own, rounding));
     shared.middleRows(first_[i], fit.residual[i].size()) = jacobians[i].shared;
   }
-  shared_ = basis_of(without_own(shared));
+  shared_ = basis_of(without_own(shared), rounding);
 }
 
 Eigen::MatrixXd Nuisance::without_own(const Eigen::MatrixXd& columns) const {
@@ -60,7 +62,7 @@ Eigen::MatrixXd Nuisance::left_of(const Eigen::MatrixXd& columns) const {
     if (left.col(i).norm() > std::max(negligible * columns.col(i).norm(), 1e-9)) kept.push_back(i);
   Eigen::MatrixXd result(left.rows(), static_cast<Eigen::Index>(kept.size()));
   for (std::size_t i = 0; i < kept.size(); ++i) result.col(static_cast<Eigen::Index>(i)) = left.col(kept[i]);
-  return basis_of(result);
+  return basis_of(result, negligible);
 }
 
 Eigen::VectorXd Nuisance::left_of_vector(const Eigen::VectorXd& stacked) const {

@@ -14,7 +14,7 @@ class Nuisance {
   const Eigen::VectorXd& residual() const { return residual_; }
   const std::vector<Eigen::Index>& first() const { return first_; }  ///< of each run of the fit, and the end
   Eigen::Index size(std::size_t run) const { return first_[run + 1] - first_[run]; }
-  /// An orthonormal basis of the columns without what the nuisance can imitate. No columns where nothing is left.
+  /// An orthonormal basis of the columns without what the nuisance can imitate. No columns where nothing is left; fewer where one does what others do.
   Eigen::MatrixXd left_of(const Eigen::MatrixXd& columns) const;
   Eigen::VectorXd left_of_vector(const Eigen::VectorXd& stacked) const;
 

@@ -277,11 +277,18 @@ Eigen::VectorXd Problem::beyond_start_values(const Layout& layout, std::size_t r
   return of;
 }
 
-/// What did not come again within a recording was not seen to be periodic: a push that passes is imitated by a part of a wave.
+/// What did not come again within a recording was not seen to be periodic: a push that passes is imitated by a part of a wave. And of a force samples show
+/// half a period at least: a faster one gives as good as random kicks from one impact to the next, among which some frequency fits whatever is left. (What
+/// shakes the ground may be faster than the camera: how high a body is thrown shows it.)
 void Problem::see_periods(Parameter& frequency) const {
   if (!frequency.key.ends_with(".frequency")) return;
-  double longest = 0;
-  for (const RunData& data : runs_) longest = std::max(longest, data.horizon);
+  double longest = 0, shortest = std::numeric_limits<double>::infinity();
+  for (const RunData& data : runs_) {
+    longest = std::max(longest, data.horizon);
+    for (const Channel& c : data.channels)
+      if (c.time.size() > 1) shortest = std::min(shortest, (c.time.back() - c.time.front()) / static_cast<double>(c.time.size() - 1));
+  }
+  if (frequency.effect == "periodic_force") frequency.upper = std::max(frequency.lower, std::min(frequency.upper, 0.5 / shortest));
   if (longest > 0) frequency.lower = std::min(frequency.upper, std::max(frequency.lower, periods_seen / longest));
   frequency.start = std::max(frequency.start, frequency.lower);
 }
