@@ -73,6 +73,7 @@ class Search {
   Fit extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const;
   Fit improved(const Fit& fit) const;
   Fit solved_by(const Fit& start, double wanted) const;
+  Fit at_step_of_maker(Fit fit) const;
   Fit improved_if_promising(const Fit& start, double wanted) const;
   void keep(Fit fit);
   Fit* find(const Hypothesis& hypothesis);  ///< none: nullptr

@@ -1,5 +1,6 @@
 /// The part of the search that asks how the recordings may have been solved: step, tolerance, contact law, engine.
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,9 +15,12 @@ namespace {
 constexpr std::size_t solved_again = 4;  // hypotheses that are solved in another way as well
 constexpr std::size_t asked_first = 2;   // of these; the others where nothing was found and much is left
 constexpr double coarse_scene = 10;      // of the noise, rms. A ball that bounces in steps of a millisecond errs by 3 to 5; that is told beside the verdict
-constexpr double beside_the_step = 25;   // chi^2 per degree of freedom
+constexpr double beside_the_step = 25;   // chi^2 per degree of freedom: what is farther off has another reason than how it was stepped
 constexpr double much_nearer = 0.5;      // of chi^2, before anything is fitted
 constexpr double noise_may_err = 1.1;    // in squares: a reading in steps of the noise adds a twelfth to what the recording states
+constexpr double near_step = 3, finest_step = 0.08;  // around a step that fits, and of the scene's: a finer one costs more and errs hardly at all
+constexpr int bits_of_step = 8;
+constexpr std::uintmax_t looks_at_steps = 7;
 constexpr double share_of_numerics = 0.05, gain_of_numerics = 20;  // of the excess chi^2, and absolute: from there on they count
 
 }  // namespace
@@ -66,6 +70,25 @@ Fit Search::solved_by(const Fit& start, double wanted) const {
   return fit.chi2 < promising * wanted && !leaves_noise(fit) ? improved(shaken(problem_, fit, train_, fit_options_)) : fit;
 }
 
+/// Stepped nearly as the maker did: an error in proportion to the step is left, which grows with time as a small force does. The step that fits best,
+/// near that of the fit; where paths jump with the step, the best of those that were looked at.
+Fit Search::at_step_of_maker(Fit fit) const {
+  const double from = std::max(finest_step, fit.layout.numerics.step_factor / near_step), to = std::min(1.0, fit.layout.numerics.step_factor * near_step);
+  const auto left = [&](double step) {
+    if (options_.interrupted && options_.interrupted()) return fit.chi2;
+    tell("the step of the recordings", 0, 1);
+    Fit start = fit;
+    start.layout.numerics.step_factor = step;
+    Fit other = solved_by(start, fit.chi2);
+    const double chi2 = other.chi2;
+    if (chi2 < fit.chi2) fit = std::move(other);
+    return chi2;
+  };
+  std::uintmax_t looks = looks_at_steps;
+  boost::math::tools::brent_find_minima(left, from, to, bits_of_step, looks);
+  return fit;
+}
+
 bool Search::leaves_noise(const Fit& fit) {
   return p_of_chi2(fit.chi2 / noise_may_err, std::max<Eigen::Index>(1, fit.samples - fit.parameters)) > level;
 }
@@ -104,6 +127,8 @@ void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
     fit.layout.numerics = numerics;
     if (fit = solved_by(fit, wanted); fit.chi2 < best.chi2) best = std::move(fit);
   }
+  const bool other_step = !best.layout.numerics.second_order && !best.layout.numerics.other_law && best.chi2 < least - gain_of_numerics;
+  if (other_step && best.per_dof() < beside_the_step && !stopped() && lack_in(best).p <= level) best = at_step_of_maker(std::move(best));
   Fit* const known = find(hypothesis);
   if (known == nullptr) return keep(std::move(best));
   if (!(best.chi2 < known->chi2 - gain_of_numerics)) return;
@@ -167,14 +192,20 @@ void Search::fit_as_made() {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < order.size() && !as_engine; ++i) {
     if (i >= asked_first && (found || fits_[order[i]].per_dof() < plainly_more_than_noise)) break;
+    const auto accept = [&](Fit fit) {
+      if (!(fit.chi2 < std::min(least, fits_[order[i]].chi2 - gain_of_numerics)) || !leaves_noise(fit) || lack_in(fit).p <= level) return;
+      least = fit.chi2;
+      found = fit.layout.numerics;
+      made.insert_or_assign(order[i], std::move(fit));
+    };
+    std::optional<Fit> nearest;
     for (const Numerics& way : ways) {
       if (stopped()) return;
       Fit fit = solve(order[i], way);
-      if (!(fit.chi2 < std::min(least, fits_[order[i]].chi2 - gain_of_numerics)) || !leaves_noise(fit) || lack_in(fit).p <= level) continue;
-      least = fit.chi2;
-      found = way;
-      made.insert_or_assign(order[i], std::move(fit));
+      if (!nearest || fit.chi2 < nearest->chi2) nearest = fit;
+      accept(std::move(fit));
     }
+    if (!found && nearest && nearest->chi2 < fits_[order[i]].chi2 - gain_of_numerics && !stopped()) accept(at_step_of_maker(std::move(*nearest)));
   }
   if (!found) return;
   for (const std::size_t place : order) {
