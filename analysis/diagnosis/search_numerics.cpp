@@ -127,12 +127,20 @@ void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
     fit.layout.numerics = numerics;
     if (fit = solved_by(fit, wanted); fit.chi2 < best.chi2) best = std::move(fit);
   }
-  const bool other_step = !best.layout.numerics.second_order && !best.layout.numerics.other_law && best.chi2 < least - gain_of_numerics;
-  if (other_step && best.per_dof() < beside_the_step && !stopped() && lack_in(best).p <= level) best = at_step_of_maker(std::move(best));
   Fit* const known = find(hypothesis);
+  // Of a coarse scene the finer one may err by as much as the nearest step.
+  const bool like_a_finer = known != nullptr && known->layout.numerics.second_order && best.chi2 < promising * least;
+  const bool other_step = !best.layout.numerics.second_order && !best.layout.numerics.other_law && best.per_dof() < beside_the_step &&
+                          (like_a_finer || best.chi2 < least - gain_of_numerics);
+  bool nothing_left = other_step && !stopped() && lack_in(best).p > level;
+  if (other_step && !nothing_left && !stopped()) {
+    best = at_step_of_maker(std::move(best));
+    nothing_left = leaves_noise(best) && !stopped() && lack_in(best).p > level;
+  }
   if (known == nullptr) return keep(std::move(best));
   if (!(best.chi2 < known->chi2 - gain_of_numerics)) return;
-  if (best.layout.numerics.backend.empty() && known->layout.numerics.second_order && !best.layout.numerics.second_order) return;  // a finer scene stays finer
+  // A finer scene stays finer, unless the step of the recordings is all that is left.
+  if (best.layout.numerics.backend.empty() && known->layout.numerics.second_order && !best.layout.numerics.second_order && !nothing_left) return;
   left_.erase(hypothesis.label());
   *known = std::move(best);
 }

@@ -61,6 +61,23 @@ TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
   }
 }
 
+TEST(Alarm, TheStepOfTheRecordingsMayLieBetweenThoseThatAreTried) {
+  // A quarter of the step and one of second order both leave more than the noise, which grows with time as what an effect does.
+  for (const double factor : {0.13, 0.5}) {
+    Bundle bundle = flights(six());
+    Random random(1, 4);
+    for (BundleRun& run : bundle.runs) {
+      Scene made = parse_scene(ball_scene(), "made", run.set);
+      made.solver.time_step *= factor;
+      record_anew(run, fly_late_by(45), made, six(), random);
+    }
+    const Diagnosis d = diagnose(bundle, fly_late_by(45), quick());
+    EXPECT_EQ(d.verdict.word, "none") << factor;
+    EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5) << factor;
+    EXPECT_NEAR(d.models[d.best].fit.layout.numerics.step_factor, factor, 0.03) << factor;
+  }
+}
+
 TEST(Alarm, OnlyWhatLooksLikeAStepIsTakenForOne) {
   const double rate = 12;
   Bundle stepped = flights(six());  // by a maker of first order at a tenth of the step, where a quarter is tried

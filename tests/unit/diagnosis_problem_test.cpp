@@ -304,6 +304,17 @@ TEST(Problem, StepsMoreCoarselyThanTheSceneWhereThatDoesNotShow) {
   EXPECT_EQ(factor(ball_scene(), fly), 1) << "as coarse as it may be";
 }
 
+TEST(Problem, LooksForNoForceFasterThanTheSamplesShow) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  const Channel& c = problem.runs()[0].channels[0];
+  const double usual = (c.time.back() - c.time.front()) / static_cast<double>(c.time.size() - 1);
+  double upper = 0;
+  for (const Parameter& p : problem.layout({{{find_effect("periodic_force"), ""}}}).shared)
+    if (p.key.ends_with(".frequency")) upper = p.upper;
+  EXPECT_NEAR(upper * usual, 0.5, 0.05);
+}
+
 TEST(Problem, StaysWithTheScenesOwnWayWhereTheBackendHasNoOther) {
   const Bundle bundle = flights({});
   const Problem problem(bundle, all(bundle), [](const SimulationRequest& request) -> History {

@@ -32,6 +32,22 @@ TEST(Nuisance, TakesOutWhatStartValuesImitate) {
   EXPECT_NEAR(left.col(0).dot(line.col(0)) / line.norm(), 0, 1e-6);
 }
 
+// What is left of two columns that do nearly the same is the error of their differences, which holds the noise of the recording.
+TEST(Nuisance, TakesNoWitnessFromWhatTwoColumnsHaveInCommon) {
+  const Bundle bundle = flights({});
+  const Problem problem(bundle, all(bundle), fly);
+  const Fit fit = nominal_fit(problem);
+  const Nuisance nuisance(problem, fit);
+  Eigen::MatrixXd both = Eigen::MatrixXd::Zero(nuisance.size(), 2);
+  const Channel& x = problem.runs()[1].channels[0];
+  for (std::size_t i = 0; i < x.time.size(); ++i) both(nuisance.first()[1] + x.first + static_cast<Eigen::Index>(i), 0) = x.time[i] * x.time[i];
+  const Eigen::VectorXd noise = nuisance.residual().normalized() * both.col(0).norm();
+  both.col(1) = -2 * both.col(0) + 1e-3 * noise;
+  EXPECT_EQ(nuisance.left_of(both).cols(), 1);
+  both.col(1) += noise;
+  EXPECT_EQ(nuisance.left_of(both).cols(), 2);
+}
+
 TEST(Screening, BeginsWhereTheDataSayEvenIfRunsWereFollowedFromElsewhere) {
   const Bundle bundle = flights({.velocities = {{3, 0, 2}, {2, 1, 2}, {4, -1, 2}, {1, 2, 2}}, .truth = "{uniform_force: {force: [0.01, 0, 0]}}"});
   // A world that bends away from those who start elsewhere, as a ball does that misses what it should hit.
