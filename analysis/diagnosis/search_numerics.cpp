@@ -132,10 +132,14 @@ void Search::fit_numerics(const char* name, const std::vector<Numerics>& ways) {
   const bool like_a_finer = known != nullptr && known->layout.numerics.second_order && best.chi2 < promising * least;
   const bool other_step = !best.layout.numerics.second_order && !best.layout.numerics.other_law && best.per_dof() < beside_the_step &&
                           (like_a_finer || best.chi2 < least - gain_of_numerics);
-  bool nothing_left = other_step && !stopped() && lack_in(best).p > level;
+  // To look for what another engine's paths leave would take longer than all the rest; their size tells enough.
+  const auto leaves_nothing = [&](const Fit& fit) {
+    return leaves_noise(fit) && (!fit.layout.numerics.backend.empty() || (!stopped() && lack_in(fit).p > level));
+  };
+  bool nothing_left = other_step && leaves_nothing(best);
   if (other_step && !nothing_left && !stopped()) {
     best = at_step_of_maker(std::move(best));
-    nothing_left = leaves_noise(best) && !stopped() && lack_in(best).p > level;
+    nothing_left = leaves_nothing(best);
   }
   if (known == nullptr) return keep(std::move(best));
   if (!(best.chi2 < known->chi2 - gain_of_numerics)) return;
