@@ -145,11 +145,11 @@ class Locating {
     return stretch;
   }
 
-  /// What a force of the body's weight during the segment does to the residual of the run, along x, y and z.
-  Eigen::MatrixXd response(const Segment& segment, double weight) const {
+  /// What a force during the segment does to the residual of the run, along x, y and z; with a torque: what that does.
+  Eigen::MatrixXd response(const Segment& segment, double force, double torque = 0) const {
     Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(size_, 3);
     for (int k = 0; k < 3; ++k) {
-      const WindowLoad load{segment.body, segment.from, segment.to, trial_share * weight * Vec3::Unit(k), Vec3::Zero()};
+      const WindowLoad load{segment.body, segment.from, segment.to, trial_share * force * Vec3::Unit(k), trial_share * torque * Vec3::Unit(k)};
       const Eigen::VectorXd r = problem_.residual(fit_.layout, run_, fit_.shared, fit_.own[run_], {load});
       if (r.size() > 0) columns.col(k) = (r - *residual_) / trial_share;
     }
@@ -164,6 +164,11 @@ class Locating {
 
   double deviate_of(const Probe& probe) const { return deviate(gain_of(probe, nuisance_.residual()), probe.basis.cols()); }
   double strength_of(const Probe& probe) const { return strength(gain_of(probe, nuisance_.residual()), probe.basis.cols()); }
+
+  bool is_seen_to_turn(const std::string& body) const {
+    const std::vector<Channel>& channels = problem_.runs()[run_].channels;
+    return std::any_of(channels.begin(), channels.end(), [&](const Channel& c) { return c.body == body && c.observable == "orientation"; });
+  }
 
   void test_pieces(const History& history, const std::string& body) {
     std::vector<std::size_t> alike;  // entries of the phase that lasts, but for impacts
@@ -180,8 +185,19 @@ class Locating {
         continue;
       }
       entry.deviate = deviate_of(probe);
-      const double alone = strength_of(probe);
+      double alone = strength_of(probe);
       probes_.push_back(std::move(probe));
+      // A blow turns, too, and an inertia that is wrong shows in that. While a body flies or rolls the turn that a torque makes is too large for slopes.
+      if (segment.phase == Phase::impact && is_seen_to_turn(body)) {
+        Eigen::MatrixXd wrench(size_, 6);
+        wrench << columns, response(segment, 0, entry.mass * gravity_ * history.radius.at(body));
+        Probe with_torque = probe_of(wrench);
+        if (with_torque.basis.cols() > 0) {
+          entry.deviate = std::max(entry.deviate, deviate_of(with_torque));
+          alone = std::max(alone, strength_of(with_torque));
+          probes_.push_back(std::move(with_torque));
+        }
+      }
       responses_.conservativeResize(Eigen::NoChange, responses_.cols() + 3);
       responses_.rightCols(3) = columns;
       const std::size_t place = entries_.size();

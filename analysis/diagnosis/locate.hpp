@@ -1,6 +1,6 @@
 #pragma once
-/// Where the mismatch is: an unknown, piecewise constant force on each body, tested on the likelihood of the whole record. A torque beside it was tried and found
-/// mismatches in spinning balls where there are none.
+/// Where the mismatch is: an unknown, piecewise constant force on each body, tested on the likelihood of the whole record. In an impact of a body that is
+/// seen to turn a torque is tested beside it.
 #include <string>
 #include <vector>
 
@@ -16,7 +16,7 @@ struct Located {
   double mass = 0;          ///< of the body [kg]
   Vec3 force = Vec3::Zero();     ///< unknown force, all segments of the run estimated together [N]; 0 where it cannot be seen
   Vec3 force_se = Vec3::Zero();
-  double deviate = 0;       ///< of a force on the body in this segment, or of the impulse of the contact in which it is hit (probe.hpp)
+  double deviate = 0;       ///< of a force (impacts: or a wrench) on the body in this segment, or of the impulse of the contact in which it is hit (probe.hpp)
   double p = 1;             ///< corrected for all segments of all runs
 };
 
