@@ -16,6 +16,9 @@
 namespace repose::diagnosis {
 namespace {
 
+/// Chance below which a recording is not suggested.
+constexpr double worth_recording = 0.5;
+
 /// p of the first packings, outside which they decide. Within, the test with more decides alone, so that it rejects a true nominal scene no more often than
 /// its own level and `plainly_rejected` together.
 constexpr double plainly_rejected = 5e-4, plainly_fits = 0.2;
@@ -252,7 +255,10 @@ class BulkDiagnosing {
       if (rivals.empty() && r.model > 0 && static_cast<std::size_t>(r.model) != result_.best && !shares_all(r.effects, best.candidate.hypothesis.names())) rivals = {r.model};
     for (const int rival : rivals) {
       SuggestedRecording s = bulk_recording_that_parts(best, *models_[static_cast<std::size_t>(rival)], *models_.front(), result_.data, bundle_.runs.front().observations);
-      if (!s.what.empty()) result_.suggested.push_back(std::move(s));
+      if (s.power >= worth_recording)
+        result_.suggested.push_back(std::move(s));
+      else if (!result_.verdict.rivals.empty())
+        result_.notes.push_back(fmt::format("No recording that was thought of would tell {} from {}.", best.candidate.hypothesis.label(), models_[static_cast<std::size_t>(rival)]->candidate.hypothesis.label()));
     }
   }
 
