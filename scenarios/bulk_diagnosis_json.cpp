@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "analysis/diagnosis/bulk_statistics.hpp"
@@ -83,6 +85,34 @@ json summaries_json(const BulkDiagnosis& d) {
   return list;
 }
 
+std::string with_spaces(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+/// Of a heap or a layer: micrometres to metres.
+std::string length_in_words(double metres) {
+  if (std::abs(metres) < 1e-3) return fmt::format("{:.3g} µm", 1e6 * metres);
+  return std::abs(metres) < 1 ? fmt::format("{:.3g} mm", 1e3 * metres) : fmt::format("{:.3g} m", metres);
+}
+
+/// "rolling friction (0.043, 0.022 to 0.070) and length scale (factor = 1.09, 1.08 to 1.09)".
+std::string in_words(const BulkFitted& model) {
+  std::string words;
+  const std::vector<Term>& terms = model.model.candidate.hypothesis.terms;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    std::string values;
+    for (const BulkEstimate& e : model.estimates) {
+      if (e.effect != terms[i].row->name || e.name.find(terms[i].place) == std::string::npos) continue;
+      const std::string last = e.name.substr(e.name.rfind('.') + 1);
+      values += fmt::format("{}{}{:.3g}{}, {:.3g} to {:.3g}", values.empty() ? "" : "; ", last == e.effect ? "" : with_spaces(last) + " = ", e.value, e.unit == "1" ? "" : " " + e.unit, e.lower, e.upper);
+    }
+    words += (i == 0 ? "" : " and ") + with_spaces(terms[i].row->name) + (values.empty() ? "" : " (" + values + ")");
+  }
+  if (!model.model.candidate.backend.empty()) words += " (" + model.model.candidate.backend + ")";
+  return words;
+}
+
 /// What the effects claim, one sentence each.
 std::string claims_of(const BulkFitted& best) {
   std::string text;
@@ -146,31 +176,30 @@ std::string bulk_diagnosis_in_words(const BulkDiagnosis& d) {
   std::string text = d.interrupted ? "Interrupted; this is what was found until then. " : "";
   if (!d.where.empty()) {
     const BulkLocated& l = d.where.front();
-    text += fmt::format("The recorded {}{} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", l.observable, l.quantity.empty() ? "" : " (" + l.quantity + ")", std::abs(l.in_scatter),
-                       l.radius_from ? fmt::format(" between {:.3g} and {:.3g} m from the axis", *l.radius_from, *l.radius_to)
+    text += fmt::format("The recorded {}{} differs from the nominal scene by {:.1f} standard deviations of a single run{} (p = {:.2g}). ", with_spaces(l.observable), l.quantity.empty() ? "" : " (" + l.quantity + ")", std::abs(l.in_scatter),
+                       l.radius_from ? fmt::format(" between {} and {} from the axis", length_in_words(*l.radius_from), length_in_words(*l.radius_to))
                        : l.t_start   ? fmt::format(" between {:.3g} and {:.3g} s", *l.t_start, *l.t_end)
                                      : "",
                        l.p);
   }
   if (d.verdict.word == "unknown" || d.best == 0) return text + "Something is missing that no candidate explains.";
   const BulkFitted& best = d.models[d.best];
-  std::string name = best.model.candidate.hypothesis.label();
-  if (!best.model.candidate.backend.empty()) name += " (" + best.model.candidate.backend + ")";
-  for (const BulkEstimate& e : best.estimates)
-    if (!e.effect.empty()) name += fmt::format(", {} = {:.3g}{} ({:.3g} to {:.3g})", e.name, e.value, e.unit == "1" ? "" : " " + e.unit, e.lower, e.upper);
+  std::string name = in_words(best);
+  const bool several = best.model.candidate.hypothesis.terms.size() > 1;
   if (d.verdict.word == "ambiguous") {
     // The first of the class is the best's own.
     const std::vector<std::string>& alike = d.verdict.indistinguishable.front();
-    text += fmt::format("The best explanation is {}; these observables cannot tell {} from {}.", name, best.model.candidate.hypothesis.terms.size() > 1 ? alike.front() : "it",
-                        fmt::join(alike.begin() + 1, alike.end(), ", "));
+    text += fmt::format("The best explanation is {}; these observables cannot tell {} from {}.", name, several ? with_spaces(alike.front()) : "it",
+                        with_spaces(fmt::format("{}", fmt::join(alike.begin() + 1, alike.end(), " or "))));
   } else {
-    text += name + (best.model.candidate.hypothesis.terms.size() > 1 ? " explain it." : " explains it.");
+    name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+    text += name + (several ? " explain it." : " explains it.");
   }
   if (!best.held_out.runs.empty())
-    text += fmt::format(" On {} recordings that were not used, chi^2 per number falls from {:.3g} to {:.3g}.", best.held_out.runs.size(), d.models.front().held_out.chi2_per_dof,
+    text += fmt::format(" On {} recordings that were not used, χ² per number falls from {:.3g} to {:.3g}.", best.held_out.runs.size(), d.models.front().held_out.chi2_per_dof,
                         best.held_out.chi2_per_dof);
-  for (const SuggestedRecording& s : d.suggested) text += fmt::format(" To tell {} from {}: {} (chance {:.0f} %).", s.first, s.second, s.what, 100 * s.power);
-  return text + (best.model.candidate.hypothesis.terms.size() > 1 ? " Claims: " : " Claim: ") + claims_of(best);
+  for (const SuggestedRecording& s : d.suggested) text += fmt::format(" To tell {} from {}: {} (chance {:.0f} %).", with_spaces(s.first), with_spaces(s.second), s.what, 100 * s.power);
+  return text + (several ? " Claims: " : " Claim: ") + claims_of(best);
 }
 
 }  // namespace repose

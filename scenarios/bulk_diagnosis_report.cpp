@@ -13,20 +13,24 @@ using namespace diagnosis;
 using namespace report;
 using nlohmann::json;
 
+constexpr double least_told = 1e-6;  // of probabilities
+
 std::string cell(const json& x, const char* format = "{:.4g}") { return x.is_number() ? fmt::format(fmt::runtime(format), x.get<double>()) : "–"; }
 
 Table ranking(const json& found) {
-  Table table{"Candidates", {"explanation", "coefficients", "probability", "held-out log likelihood [nats]", "chi² per number, fitted runs"}, {}, {}};
+  Table table{"Candidates", {"explanation", "coefficients", "probability", "held out [nats]", "χ² per number"}, {}, {}};
   for (const json& r : found["ranked"]) {
     std::string values;
     const json parameters = r.value("parameters", json::object());
-    for (const auto& [name, p] : parameters.items())
+    for (const auto& [key, p] : parameters.items()) {
+      const std::string name = key.substr(key.find('.') + 1);  // of the effect, or of the pair
       values += fmt::format("{}{} = {:.3g} ({:.3g} to {:.3g}) {}", values.empty() ? "" : "; ", name, p["value"].get<double>(), p["lower"].get<double>(), p["upper"].get<double>(),
                             p["unit"].get<std::string>() == "1" ? "" : p["unit"].get<std::string>());
+    }
     const std::string name = r["effects"].empty() ? "nothing missing" : r.value("where_it_acts", r["effects"].front().get<std::string>());
-    table.rows.push_back({name, values, cell(r["probability"], "{:.3g}"), cell(r.value("heldout_log_likelihood", json())), cell(r.value("train_chi2_per_dof", json()), "{:.3g}")});
+    table.rows.push_back({name, values, r["probability"].get<double>() < least_told ? fmt::format("< {}", least_told) : cell(r["probability"], "{:.3g}"), cell(r.value("heldout_log_likelihood", json())), cell(r.value("train_chi2_per_dof", json()), "{:.3g}")});
   }
-  table.notes = {"Intervals hold 90 % of the posterior. Candidates that were not looked at closer have coarse ones."};
+  table.notes = {"Held out: log likelihood of the runs that were not used. χ²: of the runs that were fitted. Intervals hold 90 % of the posterior; candidates that were not looked at closer have coarse ones."};
   return table;
 }
 
@@ -91,7 +95,7 @@ Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle) {
   const BulkScore& best = d.models[d.best].held_out.runs.empty() ? d.models[d.best].train : d.models[d.best].held_out;
   const BulkScore& before = best.runs.empty() || d.models.front().held_out.runs.empty() ? d.models.front().train : d.models.front().held_out;
   if (std::isfinite(best.chi2_per_dof))
-    r.headlines.push_back({(d.interrupted ? "Verdict when it was interrupted: " : "Verdict: ") + d.verdict.word, best.chi2_per_dof, std::nullopt, "", fmt::format("chi² per number of the extended scene; nominal {:.3g}", before.chi2_per_dof)});
+    r.headlines.push_back({(d.interrupted ? "Verdict when it was interrupted: " : "Verdict: ") + d.verdict.word, best.chi2_per_dof, std::nullopt, "", fmt::format("χ² per number of the extended scene; nominal {:.3g}", before.chi2_per_dof)});
   Section what{"What is missing", {ranking(found)}};
   if (!d.verdict.indistinguishable.empty())
     what.blocks.emplace_back(Text{fmt::format("These cannot be told apart with the recordings at hand: {}.", fmt::join(d.verdict.indistinguishable.front(), ", "))});

@@ -16,8 +16,8 @@
 namespace repose::diagnosis {
 namespace {
 
-/// Chance below which a recording is not suggested.
-constexpr double worth_recording = 0.5;
+/// Chance below which a recording is not suggested, and probability below which a rival asks for none.
+constexpr double worth_recording = 0.5, worth_parting = 1e-3;
 
 /// p of the first packings, outside which they decide. Within, the test with more decides alone, so that it rejects a true nominal scene no more often than
 /// its own level and `plainly_rejected` together.
@@ -252,7 +252,7 @@ class BulkDiagnosing {
     const BulkModel& best = *models_[result_.best];
     std::vector<int> rivals = result_.verdict.rivals;
     for (const Ranked& r : result_.verdict.ranked)
-      if (rivals.empty() && r.model > 0 && static_cast<std::size_t>(r.model) != result_.best && !shares_all(r.effects, best.candidate.hypothesis.names())) rivals = {r.model};
+      if (rivals.empty() && r.model > 0 && r.probability >= worth_parting && static_cast<std::size_t>(r.model) != result_.best && !shares_all(r.effects, best.candidate.hypothesis.names())) rivals = {r.model};
     for (const int rival : rivals) {
       SuggestedRecording s = bulk_recording_that_parts(best, *models_[static_cast<std::size_t>(rival)], *models_.front(), result_.data, bundle_.runs.front().observations);
       if (s.power >= worth_recording)
