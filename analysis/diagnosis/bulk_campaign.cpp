@@ -45,6 +45,8 @@ BulkCampaign::BulkCampaign(const Bundle& bundle, const BulkData& data, const Sim
     : bundle_(bundle), data_(data), run_(simulate), options_(options), scale_(natural_scale(realise(bundle.scene, 1))), next_seed_(options.seed * seeds_apart) {
   models_.emplace_back();
   models_.front().candidate = nominal_candidate(bundle, scale_);
+  // What is asked for in vain is told before anything is simulated.
+  if (!options.effects.empty()) bulk_candidates(bundle, scale_, options.effects, options.effects.size());
 }
 
 void BulkCampaign::simulate(const std::string& stage, const std::vector<Wanted>& wanted) {

@@ -188,8 +188,8 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
     taken.push_back(name);
     if (wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end()) result.push_back(std::move(c));
   }
-  for (const std::string& name : wanted)
-    if (std::find(taken.begin(), taken.end(), name) == taken.end())
+  for (const std::string& name : wanted)  // numerics are no candidates, and always tried
+    if (find_effect(name)->site != EffectSite::numerics && std::find(taken.begin(), taken.end(), name) == taken.end())
       throw Error("--candidates " + name, "the scene has it already, or cannot take it", "leave it out, or remove the key from the nominal scene");
   return result;
 }

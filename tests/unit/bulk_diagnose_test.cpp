@@ -348,6 +348,17 @@ TEST(BulkDiagnosisTest, AnInterruptionKeepsWhatWasFound) {
   EXPECT_EQ(diagnose_bulk(recorded_heaps(12, 500, rolling), [](const std::string&, const auto&) { return std::nullopt; }, with(usual)).models.size(), 0u);
 }
 
+TEST(BulkDiagnosisTest, WhatCannotBeTriedIsToldBeforeAnythingIsSimulated) {
+  int simulated = 0;
+  const SimulateBulk counted = [&, plain = stand_in()](const std::string& stage, const std::vector<BulkRequest>& requests) {
+    simulated += static_cast<int>(requests.size());
+    return plain(stage, requests);
+  };
+  EXPECT_THROW(diagnose_bulk(recorded_heaps(12, 500, rolling), counted, with({"frame_tilt"})), Error);
+  EXPECT_EQ(simulated, 0);
+  EXPECT_EQ(diagnose_bulk(recorded_heaps(12, 500, rolling), counted, with({"rolling_friction", "time_step"})).verdict.word, "missing");
+}
+
 TEST(BulkDiagnosisTest, ASceneThatMakesNoHeapIsAnError) {
   const SimulateBulk broken = [](const std::string&, const std::vector<BulkRequest>& requests) {
     return std::optional(std::vector<BulkOutcome>(requests.size(), BulkOutcome{{}, "no heap"}));
