@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
 
 #include "analysis/diagnosis/bulk_statistics.hpp"
 #include "analysis/report/report.hpp"
+#include "scenarios/diagnosis_values.hpp"
 
 namespace repose {
 namespace {
@@ -83,11 +83,6 @@ json summaries_json(const BulkDiagnosis& d) {
                     {"sd_seed", std::sqrt(d.scatter(column, column))}});
   }
   return list;
-}
-
-std::string with_spaces(std::string name) {
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
 }
 
 /// Of a heap or a layer: micrometres to metres.

@@ -13,14 +13,14 @@ namespace {
 
 using namespace diagnosis;
 
+bool is_component(const std::string& name) { return name == "0" || name == "1" || name == "2"; }
+
+}  // namespace
+
 std::string with_spaces(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
 }
-
-bool is_component(const std::string& name) { return name == "0" || name == "1" || name == "2"; }
-
-}  // namespace
 
 std::string effects_in_words(const std::vector<std::string>& effects) {
   if (effects.empty()) return "nothing missing";

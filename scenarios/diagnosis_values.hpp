@@ -7,6 +7,9 @@
 
 namespace repose {
 
+/// "rolling friction" of "rolling_friction".
+std::string with_spaces(std::string name);
+
 /// "rolling friction"; of several "rolling friction and time offset"; of none "nothing missing"; of {"unknown"} "something outside the
 /// library".
 std::string effects_in_words(const std::vector<std::string>& effects);

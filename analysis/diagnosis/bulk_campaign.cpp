@@ -118,15 +118,15 @@ void BulkCampaign::find_scatter() {
 
 void BulkCampaign::fit(BulkModel& model) {
   const auto axes = static_cast<Index>(model.candidate.parameters.size());
-  model.posterior = posterior_of(data_, predictor(model, models_.front(), data_, scatter_.covariance), scatter_.covariance,
-                                 axes, filling(look, axes));
+  const Predict predict = predictor(model, models_.front(), data_, scatter_.covariance);
+  model.posterior = posterior_of(data_, predict, scatter_.covariance, axes, filling(look, axes));
   model.fitted_designs = model.design.size();
   model.error_at_fit.resize(0);
   const Index known = scene_axes(model.candidate);
   if (model.direct < 0 || known == axes || known == 0) return;
   // Along a valley the error of the recording goes with the coefficient: where that was simulated, and not where it is likeliest.
   VectorXd point = fitted_point(model);
-  const Predict there = [&, predict = predictor(model, models_.front(), data_, scatter_.covariance)](const VectorXd& error) {
+  const Predict there = [&](const VectorXd& error) {
     point.tail(error.size()) = error;
     return predict(point);
   };

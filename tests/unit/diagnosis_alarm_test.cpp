@@ -43,17 +43,22 @@ TEST(Alarm, AnEffectThatTheSceneSetsToNothingMayBeMissing) {
   EXPECT_FALSE(is_candidate(flights(f), "inertia"));
 }
 
+/// Recorded by a maker of first order, `rate` times its step late, at this share of the scene's step.
+Bundle stepped_by(double factor, double rate) {
+  Bundle bundle = flights(six());
+  Random random(1, 4);
+  for (BundleRun& run : bundle.runs) {
+    Scene made = parse_scene(ball_scene(), "made", run.set);
+    made.solver.time_step *= factor;
+    record_anew(run, fly_late_by(rate), made, six(), random);
+  }
+  return bundle;
+}
+
 TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
   // Of first order and at a quarter of the scene's step: several times the noise, and no start value imitates it.
   for (const double factor : {0.25, 1.0}) {
-    Bundle bundle = flights(six());
-    Random random(1, 4);
-    for (BundleRun& run : bundle.runs) {
-      Scene made = parse_scene(ball_scene(), "made", run.set);
-      made.solver.time_step *= factor;
-      record_anew(run, fly_late_by(12 / factor), made, six(), random);
-    }
-    const Diagnosis d = diagnose(bundle, fly_late_by(12 / factor), quick());
+    const Diagnosis d = diagnose(stepped_by(factor, 12 / factor), fly_late_by(12 / factor), quick());
     EXPECT_EQ(d.verdict.word, "none") << factor;
     EXPECT_LT(d.models.front().held_out.chi2_per_dof, 1.5) << factor;
     EXPECT_EQ(parse_scene(d.extended_scene, "extended").solver.integration, Integration::symplectic_euler);
@@ -64,14 +69,7 @@ TEST(Alarm, RecordingsThatAnotherSimulationSteppedMoreFinelyMissNothing) {
 TEST(Alarm, TheStepOfTheRecordingsMayLieBetweenThoseThatAreTried) {
   // A quarter of the step and one of second order both leave more than the noise, which grows with time as what an effect does.
   for (const double factor : {0.13, 0.5}) {
-    Bundle bundle = flights(six());
-    Random random(1, 4);
-    for (BundleRun& run : bundle.runs) {
-      Scene made = parse_scene(ball_scene(), "made", run.set);
-      made.solver.time_step *= factor;
-      record_anew(run, fly_late_by(45), made, six(), random);
-    }
-    const Diagnosis d = diagnose(bundle, fly_late_by(45), quick());
+    const Diagnosis d = diagnose(stepped_by(factor, 45), fly_late_by(45), quick());
     EXPECT_EQ(d.verdict.word, "none") << factor;
     EXPECT_LT(d.models[d.best].held_out.chi2_per_dof, 1.5) << factor;
     EXPECT_NEAR(d.models[d.best].fit.layout.numerics.step_factor, factor, 0.03) << factor;
@@ -80,13 +78,7 @@ TEST(Alarm, TheStepOfTheRecordingsMayLieBetweenThoseThatAreTried) {
 
 TEST(Alarm, OnlyWhatLooksLikeAStepIsTakenForOne) {
   const double rate = 12;
-  Bundle stepped = flights(six());  // by a maker of first order at a tenth of the step, where a quarter is tried
-  Random random(1, 4);
-  for (BundleRun& run : stepped.runs) {
-    Scene made = parse_scene(ball_scene(), "made", run.set);
-    made.solver.time_step *= 0.1;
-    record_anew(run, fly_late_by(rate), made, six(), random);
-  }
+  const Bundle stepped = stepped_by(0.1, rate);  // where a quarter is tried
   Flights f = six();
   f.loads = {{"ball", 0, 10, {0, 6e-5, 0}, Vec3::Zero()}};  // as small, and another way
   const auto mismatch = [&](const Bundle& bundle) {
