@@ -128,6 +128,9 @@ std::string worth(const Diagnosis& d) {
   const Score& after = d.models[d.best].held_out;
   const double a = error_in_sigma(before), b = error_in_sigma(after);
   const std::size_t n = before.runs.size();
+  if (d.verdict.by_fitted_runs)
+    return fmt::format("The {} not used {} not show it ({} σ before and {} σ after), and no prediction proves it.",
+                       n == 1 ? "recording that was" : fmt::format("{} recordings that were", n), n == 1 ? "does" : "do", three(a), three(b));
   std::string text = has_held_out(d) ? fmt::format("On {} that {} not used, the error ", counted(n, "recording"), n == 1 ? "was" : "were")
                                      : std::string("No recording was held out; on those that were fitted, which proves little, the error ");
   text += b < a ? fmt::format("falls from {} σ to {} σ", three(a), three(b)) : fmt::format("does not fall ({} σ before, {} σ after)", three(a), three(b));

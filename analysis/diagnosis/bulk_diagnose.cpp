@@ -222,12 +222,14 @@ class BulkDiagnosing {
     // What is left over is that of the model which is named; that is first thought to be the likeliest.
     for (int pass = 0; pass < 3; ++pass) {
       if (leading != 0) result_.remaining_p = campaign_.lack_of_fit(*models_[leading]).p;
-      result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p);
+      result_.verdict = judge(evidence, result_.lack_of_fit_p, result_.remaining_p, held);
       const auto named = static_cast<std::size_t>(result_.verdict.best);
       if (named == 0 || named == leading) break;
       leading = named;
     }
     result_.best = static_cast<std::size_t>(result_.verdict.best);
+    if (result_.verdict.by_fitted_runs)
+      result_.notes.push_back("The runs that were held out speak for no candidate: these were weighed on the fitted runs as well, and no prediction proves the verdict.");
     result_.explained = evidence[result_.best].explained;
   }
 

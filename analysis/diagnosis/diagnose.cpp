@@ -317,6 +317,8 @@ class Diagnosing {
     result_.explained = evidence[result_.best].explained;
     result_.accelerations = evidence[result_.best].accelerations;
     note_stated(evidence);
+    if (result_.verdict.by_fitted_runs)
+      result_.notes.push_back("The runs that were held out do not show the mismatch: candidates were weighed on the fitted runs as well, and no prediction proves the verdict.");
     FittedHypothesis& best = result_.models[result_.best];
     tell("intervals of the parameters", 0, 1);
     FittedHypothesis& nominal = result_.models.front();
@@ -351,12 +353,12 @@ class Diagnosing {
     const double p = small ? 1 : result_.lack_of_fit_p;
     for (int pass = 0; pass < 2; ++pass) {  // held-out runs may speak for another one than the fitted did
       result_.remaining_p = remaining_p_of(search, leading);
-      result_.verdict = judge(evidence, p, result_.remaining_p);
+      result_.verdict = judge(evidence, p, result_.remaining_p, !held_.empty());
       const auto best = static_cast<std::size_t>(result_.verdict.best);
       if (best == 0 || best == leading) break;
       leading = best;
     }
-    if (result_.verdict.word != "none" && by_chance(search)) result_.verdict = judge(evidence, 1, result_.remaining_p);
+    if (result_.verdict.word != "none" && by_chance(search)) result_.verdict = judge(evidence, 1, result_.remaining_p, !held_.empty());
     if (!result_.tested)
       for (Ranked& r : result_.verdict.ranked) r.probability = r.model == 0 || r.model < 0 ? 0.5 : 0;
   }

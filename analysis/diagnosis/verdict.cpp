@@ -100,9 +100,21 @@ std::size_t best_that_explains(const std::vector<Evidence>& evidence, std::vecto
   return best;
 }
 
+/// Where runs that were held out do not go where the mismatch is, they speak for nothing and against nothing; the fitted ones then do. Adds what these say
+/// to the scores, and tells the best; 0 if that is the nominal, or what the held-out runs speak against.
+std::size_t best_of_fitted_runs(const std::vector<Evidence>& evidence, double temper, std::vector<double>& score) {
+  std::vector<double> of_all(score.size());
+  for (std::size_t i = 0; i < score.size(); ++i) of_all[i] = score[i] + 0.5 * evidence[i].train_gain / temper;
+  const auto best = static_cast<std::size_t>(std::max_element(of_all.begin(), of_all.end()) - of_all.begin());
+  if (best == 0 || evidence[best].held_out < evidence[0].held_out - indistinguishable_within) return 0;
+  if (of_all[best] - of_all[0] < indistinguishable_within) return 0;
+  score = std::move(of_all);
+  return best;
+}
+
 }  // namespace
 
-Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p) {
+Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, bool any_held_out) {
   Verdict verdict;
   const bool fits = lack_of_fit_p > level;
   std::vector<double> score;
@@ -122,6 +134,10 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   count_runs_not_samples(evidence, static_cast<std::size_t>(verdict.best), score);
   // Without a lack of fit nothing is missing: at best the prior odds of the level are against it.
   if (fits) verdict.best = 0;
+  if (!fits && verdict.best == 0 && remaining_p > level && any_held_out) {
+    verdict.best = static_cast<int>(best_of_fitted_runs(evidence, temper, score));
+    verdict.by_fitted_runs = verdict.best != 0;
+  }
   bool unknown = !fits && verdict.best == 0;
   if (!fits && remaining_p <= level && !explains_enough(evidence[static_cast<std::size_t>(verdict.best)])) {
     const std::size_t named = best_that_explains(evidence, score);

@@ -38,6 +38,7 @@ struct Verdict {
   std::vector<Ranked> ranked;         ///< sums to 1; always has {} and {"unknown"}
   std::vector<std::vector<std::string>> indistinguishable;
   int best = 0;                       ///< index into the evidence
+  bool by_fitted_runs = false;        ///< the held-out ones do not show the mismatch
   std::vector<int> rivals;            ///< that cannot be told from the best, the nearest first: indices into the evidence
 };
 
@@ -69,7 +70,9 @@ inline constexpr double plainly_more_than_noise = 2;
 /// same size that explains at least half as much, on training and held-out runs, and four fifths of the share (or fits held-out runs better), are no longer than a paired t test over runs bears
 /// out, p : 1 - p. Nested models are no rivals. `lack_of_fit_p` above `level`: none, whatever fits better by chance.
 /// `remaining_p`: lack of fit of the best model. If it is not above `level` and the best has explained too little, the best of those that
-/// have explained enough is named in its place: part of what is missing; if there is none, `unknown`.
-Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p);
+/// have explained enough is named in its place: part of what is missing; if there is none, `unknown`. If it is above `level` and no held-out run speaks
+/// for any model, none of them shows the mismatch (it is in a region where they do not go), and the fitted runs are counted as well. Without `any_held_out`
+/// the fitted runs are what the likelihoods are of already.
+Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, bool any_held_out = true);
 
 }  // namespace repose::diagnosis

@@ -93,6 +93,26 @@ TEST(Verdict, IsUnknownWhereNothingExplainsTheMismatch) {
   expect_sums_to_one(little);
 }
 
+TEST(Verdict, FittedRunsSpeakWhereHeldOutOnesDoNotShowTheMismatch) {
+  const auto trained = [](Evidence e, double gain) {
+    e.train_gain = gain;
+    return e;
+  };
+  const std::vector<Evidence> silent{model({}, -100), trained(model({"inertia"}, -99.6), 90), trained(model({"uniform_force"}, -100.4), 20)};
+  const Verdict v = judge(silent, 0.002, 0.5);
+  EXPECT_EQ(v.word, "missing");
+  EXPECT_EQ(v.best, 1);
+  EXPECT_TRUE(v.by_fitted_runs);
+  EXPECT_GT(probability(v, {"inertia"}), 0.9);
+  expect_sums_to_one(v);
+  EXPECT_EQ(judge(silent, 0.002, 0.002).word, "unknown") << "something is left";
+  EXPECT_EQ(judge(silent, 0.002, 0.5, false).word, "unknown") << "no run counts twice";
+  EXPECT_EQ(judge(silent, 0.2, 0.5).word, "none") << "nothing is missing";
+  const Verdict against = judge({model({}, -100), trained(model({"inertia"}, -110), 90)}, 0.002, 0.5);
+  EXPECT_EQ(against.word, "unknown") << "the held-out runs speak against it";
+  EXPECT_FALSE(against.by_fitted_runs);
+}
+
 TEST(Verdict, NamesNothingThatImitatesDisplacementsAlone) {
   Evidence tilt = model({"gravity_tilt"}, -100, 38, 0.86);
   tilt.form_parameters = 2;

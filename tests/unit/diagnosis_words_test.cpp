@@ -1,5 +1,6 @@
 #include "scenarios/diagnosis_words.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "scenarios/diagnosis_progress.hpp"
@@ -130,6 +131,15 @@ TEST(DiagnosisWords, admits_what_is_not_proven) {
   EXPECT_TRUE(says(diagnosis_in_words(d), "does not fall (9.1 σ before, 10 σ after)"));
   d.interrupted = true;
   EXPECT_TRUE(diagnosis_in_words(d).starts_with("Interrupted"));
+}
+
+TEST(DiagnosisWords, held_out_recordings_that_do_not_show_it) {
+  diagnosis::Diagnosis d = test::sample_missing();
+  d.verdict.by_fitted_runs = true;
+  const std::size_t n = d.models.front().held_out.runs.size();
+  EXPECT_TRUE(says(diagnosis_in_words(d), fmt::format("The {} recordings that were not used do not show it", n))) << diagnosis_in_words(d);
+  for (diagnosis::FittedHypothesis& m : d.models) m.held_out.runs.resize(1);
+  EXPECT_TRUE(says(diagnosis_in_words(d), "The recording that was not used does not show it")) << diagnosis_in_words(d);
 }
 
 TEST(DiagnosisWords, forces_by_what_they_do) {
