@@ -70,7 +70,8 @@ Bundle replica_of(const Problem& problem, const Fit& nominal, std::uint64_t seed
   return replica;
 }
 
-NullDistribution bootstrap(const Problem& problem, const Fit& nominal, const Simulate& simulate, int replicas, const SearchOptions& options) {
+NullDistribution bootstrap(const Problem& problem, const Fit& nominal, const Simulate& simulate, int replicas, const SearchOptions& options,
+                           bool coarser_step) {
   NullDistribution null;
   SearchOptions quiet = options;
   quiet.progress = nullptr;
@@ -80,7 +81,7 @@ NullDistribution bootstrap(const Problem& problem, const Fit& nominal, const Sim
     const Bundle bundle = replica_of(problem, nominal, options.seed, static_cast<std::uint64_t>(b));
     std::vector<std::size_t> runs(bundle.runs.size());
     std::iota(runs.begin(), runs.end(), std::size_t{0});
-    Problem again(bundle, runs, simulate);
+    Problem again(bundle, runs, simulate, nullptr, coarser_step);
     FitOptions fit;
     fit.threads = options.threads;
     fit.interrupted = options.interrupted;

@@ -12,7 +12,8 @@ namespace repose::diagnosis {
 Bundle replica_of(const Problem& problem, const Fit& nominal, std::uint64_t seed, std::uint64_t number);
 
 /// Largest deviates (LackOfFit::deviate) of `replicas` such recordings, each with its own noise estimate, start values,
-/// calibration, screening and location. Fewer after an interruption.
-NullDistribution bootstrap(const Problem& problem, const Fit& nominal, const Simulate& simulate, int replicas, const SearchOptions& options);
+/// calibration, screening and location. Fewer after an interruption. `coarser_step`: as the problem was made with.
+NullDistribution bootstrap(const Problem& problem, const Fit& nominal, const Simulate& simulate, int replicas, const SearchOptions& options,
+                           bool coarser_step);
 
 }  // namespace repose::diagnosis

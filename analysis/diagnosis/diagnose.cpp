@@ -174,7 +174,7 @@ class Diagnosing {
 
   /// Step 4 with the whole fit repeated.
   void repeat_nominal(const SearchOptions& how) {
-    const NullDistribution null = bootstrap(problem_, result_.models.front().fit, simulate_, options_.bootstrap, how);
+    const NullDistribution null = bootstrap(problem_, result_.models.front().fit, simulate_, options_.bootstrap, how, options_.coarser_step);
     if (interrupted() || null.largest.empty()) return;  // few replicas reach no small p, whatever is missing
     result_.lack_of_fit_p = null.p(deviate_);
     result_.replicas = static_cast<int>(null.largest.size());
@@ -329,8 +329,10 @@ class Diagnosing {
     note_combinations(best);
     note_quarter_turn(best);
     note_numerics(search.base(), best.fit.layout.numerics);
-    result_.paired_p = p_of_smaller_errors(nominal.held_out.error_per_run, best.held_out.error_per_run);
-    result_.effect_size = paired_gain(nominal.held_out.per_run, best.held_out.per_run).effect_size;
+    if (!held_.empty()) {  // the fitted runs prove nothing about the fit
+      result_.paired_p = p_of_smaller_errors(nominal.held_out.error_per_run, best.held_out.error_per_run);
+      result_.effect_size = paired_gain(nominal.held_out.per_run, best.held_out.per_run).effect_size;
+    }
     suggest();
     keep_residuals();
     tell_recorded_times();

@@ -6,139 +6,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include <Eigen/Dense>
 
+#include "analysis/diagnosis/run_cost.hpp"
 #include "analysis/side_by_side.hpp"
 
 namespace repose::diagnosis {
 namespace {
 
-/// Parameters as the optimiser sees them: ln of logarithmic ones, all in units of ten differencing steps.
-struct Coordinates {
-  explicit Coordinates(const std::vector<Parameter>& p) : parameters(p) {}
-  double unit(std::size_t i) const {
-    const Parameter& p = parameters[i];
-    return p.logarithmic ? 1e-2 : 10 * p.step;
-  }
-  double to(std::size_t i, double v) const {
-    const Parameter& p = parameters[i];
-    return (p.logarithmic ? std::log(std::clamp(v, p.lower, p.upper)) : v) / unit(i);
-  }
-  double from(std::size_t i, double u) const {
-    const Parameter& p = parameters[i];
-    const double v = u * unit(i);
-    return std::clamp(p.logarithmic ? std::exp(v) : v, p.lower, p.upper);
-  }
-  std::vector<double> to(const Values& v) const {
-    std::vector<double> u;
-    for (std::size_t i = 0; i < parameters.size(); ++i) u.push_back(to(i, v[static_cast<Eigen::Index>(i)]));
-    return u;
-  }
-  Values from(const double* u) const {
-    Values v(static_cast<Eigen::Index>(parameters.size()));
-    for (std::size_t i = 0; i < parameters.size(); ++i) v[static_cast<Eigen::Index>(i)] = from(i, u[i]);
-    return v;
-  }
-  const std::vector<Parameter>& parameters;
-};
-
-constexpr double nudge = 0.1;  // in units of Coordinates
 constexpr double far_off = 25;        // chi^2 per sample of a run that may be stuck: 5 sigma
 constexpr int shakes = 4;
 constexpr double basin_gain = 1;   // of chi^2: another basin gains more
 constexpr int shaken_fit = 3;         // iterations that tell how deep a neighbouring basin is
 constexpr double first_radius = 100;  // of Ceres' 1e4: contacts bend the residuals, and each step that is taken back is one of few
-
-class RunCost final : public ceres::CostFunction {
- public:
-  RunCost(const Problem& problem, const Layout& layout, std::size_t run, double until)
-      : problem_(problem), layout_(layout), run_(run), until_(until), shared_(layout.shared), own_(layout.per_run[run]) {
-    set_num_residuals(static_cast<int>(problem.runs()[run].size));
-    for (const std::size_t n : {shared_.parameters.size(), own_.parameters.size()})
-      if (n > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(n));
-  }
-
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    std::vector<double> u[2];
-    int block = 0, shared_block = -1, own_block = -1;
-    if (!shared_.parameters.empty()) u[0].assign(blocks[block], blocks[block] + shared_.parameters.size()), shared_block = block++;
-    if (!own_.parameters.empty()) u[1].assign(blocks[block], blocks[block] + own_.parameters.size()), own_block = block++;
-    const auto at = [&] {
-      Eigen::VectorXd r = problem_.residual(layout_, run_, shared_.from(u[0].data()), own_.from(u[1].data()));
-      if (r.size() == 0) return r;
-      for (const Channel& c : problem_.runs()[run_].channels)
-        for (std::size_t i = 0; i < c.time.size(); ++i)
-          if (c.time[i] > until_) r[c.first + static_cast<Eigen::Index>(i)] = 0;
-      return r;
-    };
-    const Eigen::VectorXd r = at();
-    if (r.size() == 0) return false;  // the simulation failed: a step that Ceres takes back
-    Eigen::Map<Eigen::VectorXd>(residuals, r.size()) = r;
-    if (jacobians == nullptr) return true;
-    for (int which = 0; which < 2; ++which) {
-      const int index = which == 0 ? shared_block : own_block;
-      if (index < 0 || jacobians[index] == nullptr) continue;
-      const Coordinates& c = which == 0 ? shared_ : own_;
-      const auto n = static_cast<Eigen::Index>(c.parameters.size());
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> j(jacobians[index], r.size(), n);
-      for (Eigen::Index i = 0; i < n; ++i) {
-        double& x = u[which][static_cast<std::size_t>(i)];
-        const double kept = x;
-        // Away from a bound that is near, and from where the simulation fails.
-        const double upper = c.to(static_cast<std::size_t>(i), c.parameters[static_cast<std::size_t>(i)].upper);
-        double delta = kept + nudge > upper ? -nudge : nudge;
-        x = kept + delta;
-        Eigen::VectorXd moved = at();
-        if (moved.size() == 0) {
-          delta = -delta;
-          x = kept + delta;
-          moved = at();
-        }
-        // Where it fails on both sides the parameter stays, as in jacobian().
-        if (moved.size() == 0)
-          j.col(i).setZero();
-        else
-          j.col(i) = (moved - r) / delta;
-        x = kept;
-      }
-    }
-    return true;
-  }
-
- private:
-  const Problem& problem_;
-  const Layout& layout_;
-  std::size_t run_;
-  double until_;
-  Coordinates shared_, own_;
-};
-
-/// Keeps start values that a run hardly determines (a push into the floor on which a ball lies) near what was read off the data. It is no
-/// part of chi^2.
-class Prior final : public ceres::CostFunction {
- public:
-  explicit Prior(const std::vector<Parameter>& parameters) : own_(parameters) {
-    set_num_residuals(static_cast<int>(parameters.size()));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters.size()));
-  }
-
-  bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override {
-    const std::size_t n = own_.parameters.size();
-    if (jacobians != nullptr && jacobians[0] != nullptr) std::fill(jacobians[0], jacobians[0] + n * n, 0.0);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Parameter& p = own_.parameters[i];
-      const double slope = p.prior_sd > 0 ? own_.unit(i) / p.prior_sd : 0;
-      residuals[i] = slope * (blocks[0][i] - own_.to(i, p.begin()));
-      if (jacobians != nullptr && jacobians[0] != nullptr) jacobians[0][i * n + i] = slope;
-    }
-    return true;
-  }
-
- private:
-  Coordinates own_;
-};
 
 class Stop final : public ceres::IterationCallback {
  public:
@@ -201,7 +82,10 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
   std::vector<std::vector<double>> own;
   for (std::size_t run = 0; run < best.own.size(); ++run) own.push_back(Coordinates(best.layout.per_run[run]).to(best.own[run]));
 
-  ceres::Problem least_squares;
+  CostsSideBySide costs(options.threads);
+  ceres::Problem::Options with_costs;
+  with_costs.evaluation_callback = &costs;
+  ceres::Problem least_squares(with_costs);
   const auto bound = [&](double* block, const Coordinates& c) {
     for (std::size_t i = 0; i < c.parameters.size(); ++i) {
       if (std::abs(c.parameters[i].lower) < 1e299) least_squares.SetParameterLowerBound(block, static_cast<int>(i), c.to(i, c.parameters[i].lower));
@@ -211,30 +95,32 @@ Fit solve(const Problem& problem, const Fit& start, const FitOptions& options, b
     }
   };
   bool any = false;
+  const bool fixed = frozen || (options.pinned >= 0 && s.size() == 1);
   for (const std::size_t run : best.runs) {
     std::vector<double*> blocks;
     if (!s.empty()) blocks.push_back(s.data());
     if (!own[run].empty()) blocks.push_back(own[run].data());
     if (blocks.empty()) continue;
     any = true;
-    least_squares.AddResidualBlock(new RunCost(problem, best.layout, run, options.until), nullptr, blocks);
+    auto* const cost = new RunCost(problem, best.layout, run, options.until, blocks, fixed);  // Ceres owns it
+    costs.add(cost);
+    least_squares.AddResidualBlock(cost, nullptr, blocks);
     if (own[run].empty()) continue;
     bound(own[run].data(), Coordinates(best.layout.per_run[run]));
     least_squares.AddResidualBlock(new Prior(best.layout.per_run[run]), nullptr, own[run].data());
   }
   if (any && !s.empty()) {
     bound(s.data(), shared);
-    if (frozen || (options.pinned >= 0 && s.size() == 1))
+    if (fixed)
       least_squares.SetParameterBlockConstant(s.data());
     else if (options.pinned >= 0)
       least_squares.SetManifold(s.data(), new ceres::SubsetManifold(static_cast<int>(s.size()), {options.pinned}));
   }
-  const bool fixed = frozen || (options.pinned >= 0 && s.size() == 1);
   if (!any || (fixed && least_squares.NumParameters() == static_cast<int>(s.size()))) return best;
 
   ceres::Solver::Options o;
   o.max_num_iterations = options.iterations;
-  o.num_threads = std::clamp(options.threads, 1, static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  o.num_threads = 1;  // Ceres sums costs in the order in which its threads come; runs are simulated side by side by CostsSideBySide
   o.linear_solver_type = ceres::DENSE_QR;
   o.initial_trust_region_radius = first_radius;
   o.function_tolerance = 1e-5;

@@ -53,6 +53,7 @@ std::vector<Fit> held_out_fits(const Problem& problem, const std::vector<const F
   }
   for (std::size_t m = 0; m < fits.size(); ++m)
     if (moved[m]) fits[m] = evaluated(problem, std::move(fits[m]));
+  for (Fit& fit : fits) fit.parameters -= static_cast<int>(fit.layout.shared.size());  // these runs turned none of them
   return fits;
 }
 

@@ -9,7 +9,7 @@ namespace repose::diagnosis {
 
 /// Fits of the start values of `runs` under each of the fitted hypotheses. An impact soon after the start can hold a fit far from its
 /// optimum, and a hypothesis would fail for its optimiser: where another hypothesis fits a run better, its start values are tried, too.
-/// `told`: after each hypothesis.
+/// Their degrees of freedom count no shared parameter: none was turned. `told`: after each hypothesis.
 std::vector<Fit> held_out_fits(const Problem& problem, const std::vector<const Fit*>& hypotheses, const std::vector<std::size_t>& runs,
                                const FitOptions& options, const std::function<void(std::size_t done)>& told);
 

@@ -129,6 +129,23 @@ TEST(HeldOut, AStuckRunIsBegunWhereAnotherHypothesisFitsIt) {
   EXPECT_GT(fits[0].per_dof(), 3);
   EXPECT_LT(fits[1].per_dof(), 1.5);
   EXPECT_EQ(fits[1].shared, drag.shared);
+  EXPECT_EQ(fits[1].parameters, fits[0].parameters) << "the drag was fitted to other runs, and takes no degree of freedom from these";
+}
+
+TEST(Fit, IsTheSameBitByBitAtAnyNumberOfThreads) {
+  const Bundle bundle = flights({.truth = "{quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}}"});
+  const Problem problem(bundle, all(bundle), fly);
+  FitOptions many = steps(30);
+  many.threads = 4;
+  const Fit start = start_of(problem, problem.layout(of("finite_reynolds_drag")), all(bundle));
+  const Fit one = minimise(problem, start, steps(30));
+  for (int again = 0; again < 8; ++again) {
+    const Problem afresh(bundle, all(bundle), fly);
+    const Fit other = minimise(afresh, start_of(afresh, start.layout, all(bundle)), many);
+    ASSERT_EQ(other.shared, one.shared);
+    for (std::size_t run = 0; run < one.own.size(); ++run) ASSERT_EQ(other.own[run], one.own[run]);
+    ASSERT_EQ(other.chi2, one.chi2);
+  }
 }
 
 TEST(Fit, StaysWithinBounds) {
