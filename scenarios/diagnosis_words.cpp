@@ -181,7 +181,17 @@ std::string when_nothing_is_missing(const Diagnosis& d) {
   return text;
 }
 
+/// What the fitted recordings do not show.
+std::string when_only_held_out_differ(const Diagnosis& d) {
+  const std::size_t n = d.only_held_out.size();
+  return place_sentence(d, true) + fmt::format("The scene explains the recordings that were fitted, within their noise (p = {:.2g}), but not {}, which {} held out: there the error is {} σ. "
+                                               "Either {} misread, or something acts there that the others do not show, and no effect in the library explains it.",
+                                               d.lack_of_fit_p, joined(d.only_held_out, "and"), n == 1 ? "was" : "were", three(error_in_sigma(d.models.front().held_out)),
+                                               n == 1 ? "it was" : "they were");
+}
+
 std::string when_nothing_explains(const Diagnosis& d) {
+  if (!d.only_held_out.empty()) return when_only_held_out_differ(d);
   std::string text = place_sentence(d, true) + "Something is missing, and no effect in the library explains it. ";
   const std::vector<std::string> names = d.models[d.best].hypothesis.names();
   const double before = error_in_sigma(d.models.front().held_out);

@@ -56,4 +56,7 @@ struct Bundle {
   std::vector<std::string> warnings;  ///< what is doubtful, in words
 };
 
+/// Does a spin change where a body goes: is there something that it may touch, or an air that it lifts itself by?
+bool path_shows_spin(const Scene& scene);
+
 }  // namespace repose

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <variant>
 
 #include "analysis/bundle/read_bundle.hpp"
+#include "analysis/bundle/stray_samples.hpp"
 
 namespace repose {
 namespace {
@@ -103,20 +106,24 @@ void doubt_clocks(const BundleRun& run, const Scene& scene, std::vector<std::str
     doubts.push_back(fmt::format("run {}: `{}` begins after `{}` has ended; do they share one clock?", run.id, latest_begin->name, earliest_end->name));
 }
 
-/// A start value to be estimated of a body that the run does not show.
-void doubt_start_values(const BundleRun& run, std::vector<std::string>& doubts) {
-  for (const std::string& key : run.free) {
-    if (!key.starts_with("bodies.")) continue;
-    bool placed = false, turned = false;
-    for (const Observation& o : run.observations) {
-      if (!key.starts_with("bodies." + o.body + ".")) continue;
-      placed = true;
-      turned = turned || !o.orientation.empty();
+/// Start values to be estimated of bodies that their runs do not show.
+void doubt_start_values(const Bundle& bundle, std::vector<std::string>& doubts) {
+  std::map<std::string, std::vector<std::string>> unseen;  // runs, by key
+  for (const BundleRun& run : bundle.runs)
+    for (const std::string& key : run.free) {
+      if (!key.starts_with("bodies.")) continue;
+      bool placed = false, turned = false;
+      for (const Observation& o : run.observations) {
+        if (!key.starts_with("bodies." + o.body + ".")) continue;
+        placed = true;
+        turned = turned || !o.orientation.empty();
+      }
+      turned = turned || (key.ends_with(".angular_velocity") && path_shows_spin(bundle.scene));
+      const bool turning = key.ends_with(".orientation") || key.ends_with(".angular_velocity");
+      if (!placed || (turning && !turned)) unseen[key].push_back(run.id);
     }
-    const bool turning = key.ends_with(".orientation") || key.ends_with(".angular_velocity");
-    if (!placed || (turning && !turned))
-      doubts.push_back(fmt::format("run {}: nothing recorded shows `{}`; it stays as in the scene", run.id, key));
-  }
+  for (const auto& [key, runs] : unseen)
+    doubts.push_back(fmt::format("run{} {}: nothing recorded shows `{}`; it stays as in the scene", runs.size() > 1 ? "s" : "", fmt::join(runs, ", "), key));
 }
 
 /// Third differences of the samples that are there.
@@ -145,9 +152,14 @@ void doubt_noise(const Bundle& bundle, std::vector<std::string>& doubts) {
 
 }  // namespace
 
+bool path_shows_spin(const Scene& scene) {
+  return scene.bodies.size() > 1 || std::any_of(scene.effects.begin(), scene.effects.end(), [](const Effect& e) { return std::holds_alternative<Magnus>(e); });
+}
+
 std::vector<std::string> doubts_of(const Bundle& bundle) {
   std::vector<std::string> doubts;
   doubt_noise(bundle, doubts);
+  doubt_start_values(bundle, doubts);
   for (std::size_t i = 0; i < bundle.runs.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j)
       if (same_data(bundle.runs[i], bundle.runs[j])) {
@@ -158,7 +170,8 @@ std::vector<std::string> doubts_of(const Bundle& bundle) {
       }
     doubt_clocks(bundle.runs[i], bundle.scene, doubts);
     doubt_beginning(bundle.runs[i], doubts);
-    doubt_start_values(bundle.runs[i], doubts);
+    for (const Observation& o : bundle.runs[i].observations)
+      for (const std::string& stray : stray_samples(o)) doubts.push_back(fmt::format("run {}: {}", bundle.runs[i].id, stray));
     for (const Observation& o : bundle.runs[i].observations) {
       if (stands_still(o))
         doubts.push_back(fmt::format("run {}: `{}` never changes; is the sensor alive?", bundle.runs[i].id, o.name));

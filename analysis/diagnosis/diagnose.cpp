@@ -16,13 +16,13 @@
 #include "analysis/diagnosis/maker_step.hpp"
 #include "analysis/diagnosis/quarter_turn.hpp"
 #include "analysis/diagnosis/split.hpp"
+#include "analysis/diagnosis/start_values.hpp"
 #include "analysis/diagnosis/stated_noise.hpp"
 #include "core/error.hpp"
 
 namespace repose::diagnosis {
 namespace {
 
-constexpr int shown_runs = 6;  // in the report
 constexpr double told_error = 0.3;  // of the noise
 constexpr double told_step = 0.05;  // of the noise
 constexpr double beyond_chance = 6;  // standard deviations: of a thousand probes of noise one in a million recordings has one that reaches it
@@ -244,6 +244,14 @@ class Diagnosing {
                                                 m == 0 ? "the nominal scene" : result_.models[m].hypothesis.label()));
   }
 
+  /// A run whose data begin with another velocity than the bundle says, by half of it: axes were exchanged, or runs.
+  void note_starts() {
+    for (const RunData& run : problem_.runs())
+      for (const StartContradiction& c : contradictions(run.start))
+        result_.notes.push_back(fmt::format("Run {} begins with {} = ({:.3g}, {:.3g}, {:.3g}) by its samples, where the bundle says ({:.3g}, {:.3g}, {:.3g}): are these the axes, "
+                                            "and the run, that are meant?", run.run->id, c.key, c.read.x(), c.read.y(), c.read.z(), c.told.x(), c.told.y(), c.told.z()));
+  }
+
   void note_quarter_turn(const FittedHypothesis& model) {
     if (turned_by_a_quarter(problem_, model.fit))
       result_.notes.push_back("Anisotropic friction has two forms that no recording tells apart while friction is calibrated: 1/ratio, with the direction turned by 90 degrees "
@@ -317,6 +325,7 @@ class Diagnosing {
     result_.explained = evidence[result_.best].explained;
     result_.accelerations = evidence[result_.best].accelerations;
     note_stated(evidence);
+    note_starts();
     if (result_.verdict.by_fitted_runs)
       result_.notes.push_back("The runs that were held out do not show the mismatch: candidates were weighed on the fitted runs as well, and no prediction proves the verdict.");
     FittedHypothesis& best = result_.models[result_.best];
@@ -334,7 +343,7 @@ class Diagnosing {
       result_.effect_size = paired_gain(nominal.held_out.per_run, best.held_out.per_run).effect_size;
     }
     suggest();
-    keep_residuals();
+    result_.residuals = shown_residuals(problem_, nominal, best, result_.where);
     tell_recorded_times();
     result_.extended_scene = emit_yaml(problem_.extended_scene(best.fit.layout, best.fit.shared));
     result_.simulations = problem_.simulations();
@@ -346,13 +355,30 @@ class Diagnosing {
     double p = result_.lack_of_fit_p;
     if (model != 0 && p <= level && !interrupted()) p = search.left_by(model).p;
     const Fit& held = result_.models[model].held_fit;
-    return !held_.empty() && held.per_dof() > plainly_more_than_noise ? std::min(p, 1 / (1 + static_cast<double>(options_.replicas))) : p;
+    return !held_.empty() && held.per_dof() > plainly_more_than_noise ? std::min(p, least_p()) : p;
+  }
+
+  double least_p() const { return 1 / (1 + static_cast<double>(options_.replicas)); }
+
+  /// Held-out runs that the nominal plainly misses though it explains the fitted ones: something was misread, or acts there alone. The place is then
+  /// looked for in them.
+  std::vector<std::string> only_held_out_part(Search& search) {
+    const Fit& held = result_.models.front().held_fit;
+    if (held_.empty() || result_.lack_of_fit_p <= level || !(held.per_dof() > plainly_more_than_noise) || interrupted()) return {};
+    const std::vector<std::size_t> beyond = runs_beyond_noise(held);
+    Fit of_these = held;
+    of_these.runs = beyond;
+    std::vector<std::string> runs;
+    for (const std::size_t run : beyond) runs.push_back(result_.run_ids[run]);
+    if (!beyond.empty() && std::isfinite(held.chi2)) result_.where = search.lack_in(evaluated(problem_, std::move(of_these))).places.stretches;
+    return runs;
   }
 
   void reach_verdict(Search& search, const std::vector<Evidence>& evidence) {
     std::size_t leading = search.best();
     const bool small = search.base() == 0 && within_a_step(result_.models[leading].fit);
-    const double p = small ? 1 : result_.lack_of_fit_p;
+    result_.only_held_out = only_held_out_part(search);
+    const double p = small ? 1 : result_.only_held_out.empty() ? result_.lack_of_fit_p : least_p();
     for (int pass = 0; pass < 2; ++pass) {  // held-out runs may speak for another one than the fitted did
       result_.remaining_p = remaining_p_of(search, leading);
       result_.verdict = judge(evidence, p, result_.remaining_p, !held_.empty());
@@ -416,43 +442,6 @@ class Diagnosing {
     result_.suggested.push_back(recording_that_parts(problem_, result_.models[result_.best].fit, result_.models[rival].fit));
   }
 
-  void keep_residuals() {
-    const FittedHypothesis& nominal = result_.models.front();
-    const FittedHypothesis& best = result_.models[result_.best];
-    const auto keep = [&](const Fit& plain, const Fit& full) {
-      for (const std::size_t run : plain.runs) {
-        if (kept_ >= shown_runs) return;
-        ++kept_;
-        const Eigen::VectorXd a = problem_.plain_residual(plain.layout, run, plain.shared, plain.own[run]);
-        const Eigen::VectorXd b = problem_.plain_residual(full.layout, run, full.shared, full.own[run]);
-        if (a.size() == 0 || b.size() == 0) continue;  // it cannot be simulated so
-        for (const Channel& c : problem_.runs()[run].channels) {
-          const auto n = static_cast<Eigen::Index>(c.time.size());
-          if (n == 0) continue;
-          ResidualSample s{result_.run_ids[run], c.observable, c.time, {}, {}};
-          for (double& t : s.time) t += problem_.runs()[run].run->from;
-          if (c.observable == "position") s.channel += std::string(" ") + "xyz"[c.axis];
-          if (c.observable == "orientation") s.channel += std::string(" about ") + "xyz"[c.axis];
-          if (!c.body.empty()) s.channel = c.body + ": " + s.channel;
-          s.nominal.assign(a.data() + c.first, a.data() + c.first + n);
-          s.extended.assign(b.data() + c.first, b.data() + c.first + n);
-          result_.residuals.push_back(std::move(s));
-        }
-      }
-    };
-    // The runs where the mismatch was located come first: the report shades it.
-    Fit fitted = nominal.fit;
-    const auto located_in = [&](std::size_t run) {
-      return std::any_of(result_.where.begin(), result_.where.end(), [&](const Located& l) { return l.run == run && l.p <= level; });
-    };
-    std::stable_partition(fitted.runs.begin(), fitted.runs.end(), located_in);
-    if (!result_.where.empty())
-      std::stable_partition(fitted.runs.begin(), fitted.runs.end(), [&](std::size_t run) { return run == result_.where.front().run; });
-    if (!held_.empty() && fitted.runs.size() > 3) fitted.runs.resize(3);
-    keep(fitted, best.fit);
-    if (!held_.empty()) keep(nominal.held_fit, best.held_fit);
-  }
-
   /// Simulated time begins where a run does; what is told is on the recording's own clock.
   void tell_recorded_times() {
     for (Located& l : result_.where) {
@@ -469,7 +458,6 @@ class Diagnosing {
   Problem problem_;
   FitOptions fit_options_;
   std::vector<std::size_t> train_, held_;
-  int kept_ = 0;
   double deviate_ = 0;  ///< of the nominal's lack of fit
 };
 

@@ -17,6 +17,7 @@
 #include "analysis/diagnosis/score.hpp"
 #include "analysis/diagnosis/search.hpp"
 #include "analysis/diagnosis/shape.hpp"
+#include "analysis/diagnosis/shown_residuals.hpp"
 #include "analysis/diagnosis/uncertainty.hpp"
 #include "analysis/diagnosis/verdict.hpp"
 
@@ -49,11 +50,6 @@ struct FittedHypothesis {
   std::vector<ParameterEstimate> parameters;
 };
 
-struct ResidualSample {  ///< for the report
-  std::string run, channel;
-  std::vector<double> time, nominal, extended;  ///< in sigma
-};
-
 /// How much of a run was compared: beyond `until` the noise of its start no longer acts linearly. [s], on the recording's clock.
 struct Compared {
   std::string run;
@@ -68,6 +64,7 @@ struct Diagnosis {
   bool tested = true;       ///< false: no effect and no force would show in these recordings, as with as many free values as samples; the verdict is `none`, and says nothing
   double remaining_p = 1;   ///< the same of the best model
   std::optional<double> held_out_p;  ///< of the nominal in runs that were not fitted, where these alone make the verdict `none`: what stood out was chance
+  std::vector<std::string> only_held_out;  ///< runs that the nominal plainly misses though it explains those that were fitted
   double explained = 0;     ///< share of the nominal's excess chi^2 that the best model removes, on the runs (fitted or held out) where it removes less
   double accelerations = 1; ///< share of the missing accelerations that it removes (explained.hpp)
   int replicas = 0;         ///< behind lack_of_fit_p

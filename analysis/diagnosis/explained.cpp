@@ -81,6 +81,13 @@ double share_explained(const Fit& nominal, const Fit& model) {
   return before > 0 ? 1 - excess(model) / before : 0;
 }
 
+std::vector<std::size_t> runs_beyond_noise(const Fit& fit) {
+  std::vector<std::size_t> beyond;
+  for (std::size_t i = 0; i < fit.runs.size(); ++i)
+    if (fit.residual[i].size() > 0 && fit.residual[i].squaredNorm() > plainly_more_than_noise * static_cast<double>(fit.residual[i].size())) beyond.push_back(fit.runs[i]);
+  return beyond;
+}
+
 double error_left(const Fit& nominal, const Fit& model) {
   const double before = excess(nominal), together = before > 0 ? excess(model) / before : 1;
   std::vector<double> left = left_in_runs(nominal, model);

@@ -9,6 +9,9 @@ namespace repose::diagnosis {
 /// Both fits are of the same runs. At most 1; below 0 where the model leaves more.
 double share_explained(const Fit& nominal, const Fit& model);
 
+/// Runs of the fit that plainly leave more than noise.
+std::vector<std::size_t> runs_beyond_noise(const Fit& fit);
+
 /// The nominal's rms error beyond noise: what share of it the model leaves, so a half where a quarter of chi^2 is left. Of all runs
 /// together, or the median of those that share_explained() looks at, whichever is less: neither one run that is beyond all models nor many that were
 /// hardly off must speak for the others.

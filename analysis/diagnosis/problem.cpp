@@ -12,6 +12,7 @@
 #include "analysis/diagnosis/recorded_noise.hpp"
 #include "analysis/diagnosis/scene_values.hpp"
 #include "analysis/diagnosis/segments.hpp"
+#include "analysis/diagnosis/start_values.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"

@@ -129,9 +129,4 @@ class Problem {
   mutable std::atomic<std::size_t> simulations_{0};
 };
 
-/// Start values of a run from its own first samples: position and orientation of the first sample, velocity and spin from a
-/// straight line through the first few. Only for the keys of `free` that can be seen; others start from `tree`, the
-/// scene with the run's own settings. A key may name one component (`bodies.ball.velocity.2`), or a positive number.
-std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, const std::map<std::string, double>& noise);
-
 }  // namespace repose::diagnosis

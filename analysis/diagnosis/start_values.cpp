@@ -1,3 +1,5 @@
+#include "analysis/diagnosis/start_values.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -5,7 +7,6 @@
 
 #include <Eigen/Dense>
 
-#include "analysis/diagnosis/problem.hpp"
 #include "analysis/diagnosis/turning.hpp"
 #include "core/scene_yaml.hpp"
 #include "core/yaml_tree.hpp"
@@ -13,33 +14,59 @@
 namespace repose::diagnosis {
 namespace {
 
-constexpr int early_samples = 10;
-// Of the weak prior: so many standard errors of the noise, or, for an impact bends the path that is read as a parabola, this share of the fastest
-// that was seen.
-constexpr double prior_errors = 30, prior_share = 0.3;
+constexpr int early_samples = 10, fewest_to_judge = 8;
+// Of the weak prior: so many standard errors of the noise, or this share of the fastest that was seen: the larger one where an impact bends the path that
+// is read as a parabola.
+constexpr double prior_errors = 30, prior_share = 0.3, smooth_share = 0.03;
+// A tilted or stretched frame and a late clock move a velocity that is read off a smooth path by no more than this share of the fastest; a hop of a ball that
+// rolls, or a push of it into the floor, would be more.
+constexpr double most_moved = 0.1;
+constexpr double contradicts = 0.5;    // of the larger of two vectors
+constexpr double beyond_noise = 3;     // standard deviations of chi^2: more is no parabola
+constexpr double steps_of_spin = 1e-3; // differencing step of a spin that nothing recorded shows directly
 
 /// Value and slope at time 0 of a parabola through the first samples; their standard errors for unit noise.
 struct Early {
-  bool seen = false;
+  bool seen = false, smooth = false;  ///< smooth: a parabola to within the noise
   double value = 0, slope = 0, value_se = 1, slope_se = 1;
+  double value_known = 1, slope_known = 1;  ///< standard errors from as many samples as lie on one parabola
 };
 
-Early early(const std::vector<double>& time, const std::vector<double>& value) {
+Early parabola(const std::vector<double>& time, const std::vector<double>& value, std::size_t samples, double noise) {
+  const auto n = static_cast<Eigen::Index>(samples), order = static_cast<Eigen::Index>(samples >= 5 ? 3 : 2);
+  Eigen::MatrixXd basis(n, order);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < order; ++k) basis(i, k) = std::pow(time[static_cast<std::size_t>(i)], static_cast<double>(k));
+  const Eigen::VectorXd data = Eigen::Map<const Eigen::VectorXd>(value.data(), n);
+  const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(data);
+  const Eigen::MatrixXd covariance = (basis.transpose() * basis).inverse();
+  const double free = static_cast<double>(n - order);
+  const bool smooth = samples >= fewest_to_judge && (data - basis * fit).squaredNorm() <= noise * noise * (free + beyond_noise * std::sqrt(2 * free));
+  const double value_se = std::sqrt(covariance(0, 0)), slope_se = std::sqrt(covariance(1, 1));
+  return {true, smooth, fit[0], fit[1], value_se, slope_se, value_se, slope_se};
+}
+
+/// `noise`: of a value.
+Early early(const std::vector<double>& time, const std::vector<double>& value, double noise) {
   std::vector<double> t, x;
-  for (std::size_t i = 0; i < time.size() && t.size() < early_samples; ++i)
+  for (std::size_t i = 0; i < time.size(); ++i)
     if (std::isfinite(value[i]) && time[i] >= 0) {
       t.push_back(time[i]);
       x.push_back(value[i]);
     }
   if (t.size() < 2) return {};
-  const Eigen::Index n = static_cast<Eigen::Index>(t.size()), order = n >= 5 ? 3 : 2;
-  Eigen::MatrixXd basis(n, order);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index k = 0; k < order; ++k) basis(i, k) = std::pow(t[static_cast<std::size_t>(i)], static_cast<double>(k));
-  const Eigen::VectorXd data = Eigen::Map<const Eigen::VectorXd>(x.data(), n);
-  const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(data);
-  const Eigen::MatrixXd covariance = (basis.transpose() * basis).inverse();
-  return {true, fit[0], fit[1], std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1))};
+  std::size_t samples = std::min<std::size_t>(t.size(), early_samples);
+  Early begin = parabola(t, x, samples, noise), longer = begin;
+  while (longer.smooth) {
+    begin.value = longer.value;
+    begin.slope = longer.slope;
+    begin.value_known = longer.value_se;
+    begin.slope_known = longer.slope_se;
+    if (samples == t.size()) break;
+    samples = std::min(t.size(), 2 * samples);
+    longer = parabola(t, x, samples, noise);
+  }
+  return begin;
 }
 
 struct Seen {
@@ -59,12 +86,12 @@ double fastest(const std::vector<double>& time, const std::vector<double>& value
   return rate;
 }
 
-Seen look_at(const Observation& o) {
+Seen look_at(const Observation& o, double noise_of_position, double noise_of_turn) {
   Seen seen;
   for (int k = 0; k < 3; ++k) {
     std::vector<double> x;
     for (const Vec3& p : o.position) x.push_back(p[k]);
-    seen.position[k] = early(o.time, x);
+    seen.position[k] = early(o.time, x, noise_of_position);
     seen.speed = std::max(seen.speed, fastest(o.time, x));
   }
   const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
@@ -72,7 +99,7 @@ Seen look_at(const Observation& o) {
   const auto turns = turns_of(o.orientation);
   Vec3 at_zero = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    seen.turn[k] = early(o.time, turns[static_cast<std::size_t>(k)]);
+    seen.turn[k] = early(o.time, turns[static_cast<std::size_t>(k)], noise_of_turn);
     at_zero[k] = seen.turn[k].value;
     seen.spin = std::max(seen.spin, fastest(o.time, turns[static_cast<std::size_t>(k)]));
   }
@@ -116,8 +143,9 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
     const Observation* observed = nullptr;
     for (const Observation& o : run.observations)
       if (o.kind == ObservableKind::trajectory && o.body == body.name) observed = &o;
-    const Seen seen = observed != nullptr ? look_at(*observed) : Seen{};
-    const auto add = [&](const std::string& what, Parameter::Use use, int k, double start, double uncertainty, double fastest_seen = 0) {
+    const double length = sd("position"), angle = sd("orientation");
+    const Seen seen = observed != nullptr ? look_at(*observed, length, angle) : Seen{};
+    const auto add = [&](const std::string& what, Parameter::Use use, int k, double start, double uncertainty, double prior_sd) {
       Parameter p;
       p.use = use;
       p.key = "bodies." + body.name + "." + what;
@@ -125,8 +153,16 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
       p.start = p.null = p.read = start;
       p.step = 0.5 * uncertainty;
       p.told = what == "position" ? body.position[k] : what == "velocity" ? body.velocity[k] : what == "angular_velocity" ? body.angular_velocity[k] : start;
-      if (observed != nullptr) p.prior_sd = std::max(prior_errors * uncertainty, prior_share * fastest_seen);
+      if (observed != nullptr) p.prior_sd = prior_sd;
       result.push_back(p);
+    };
+    const auto of_value = [](double unit, const Early& e) { return prior_errors * unit * e.value_known; };
+    const auto add_slope = [&](const char* what, int k, double unit, const Early& e, double fastest_seen) {
+      const double sure = prior_errors * unit * (e.smooth ? e.slope_known : e.slope_se);
+      add(what, Parameter::Use::scene, k, e.slope, unit * e.slope_se, std::max(sure, (e.smooth ? smooth_share : prior_share) * fastest_seen));
+      if (!e.smooth) return;
+      result.back().lower = e.slope - std::max(sure, most_moved * fastest_seen);
+      result.back().upper = e.slope + std::max(sure, most_moved * fastest_seen);
     };
     for (const std::string& key : run.free) {
       const auto [vector, component] = vector_key(key);
@@ -135,14 +171,18 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
         if (component >= 0 && component != k) continue;
         const Early& x = seen.position[k];
         const Early& turn = seen.turn[k];
-        if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, sd("position") * x.value_se);
-        if (is("velocity") && x.seen) add("velocity", Parameter::Use::scene, k, x.slope, sd("position") * x.slope_se, seen.speed);
-        if (is("orientation") && seen.orientation) add("orientation", Parameter::Use::turn, k, 0, sd("orientation") * turn.value_se);
-        if (is("angular_velocity") && seen.orientation)
-          add("angular_velocity", Parameter::Use::scene, k, turn.slope, sd("orientation") * turn.slope_se, seen.spin);
+        if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, length * x.value_se, of_value(length, x));
+        if (is("velocity") && x.seen) add_slope("velocity", k, length, x, seen.speed);
+        if (is("orientation") && seen.orientation) add("orientation", Parameter::Use::turn, k, 0, angle * turn.value_se, of_value(angle, turn));
+        if (is("angular_velocity") && seen.orientation) add_slope("angular_velocity", k, angle, turn, seen.spin);
+        // Seen by what it does to the path: as large as makes the body roll, or as the scene has it.
+        if (is("angular_velocity") && observed != nullptr && !seen.orientation && path_shows_spin(scene)) {
+          const double scale = std::max(body.angular_velocity.norm(), seen.speed / scene.shapes.at(body.shape).bounding_radius);
+          add("angular_velocity", Parameter::Use::scene, k, body.angular_velocity[k], 2 * steps_of_spin * scale, scale);
+        }
         // Seen through a series only: from where the scene starts.
-        if (is("position") && observed == nullptr) add("position", Parameter::Use::scene, k, body.position[k], 1e-3);
-        if (is("velocity") && observed == nullptr) add("velocity", Parameter::Use::scene, k, body.velocity[k], 0.02);
+        if (is("position") && observed == nullptr) add("position", Parameter::Use::scene, k, body.position[k], 1e-3, 0);
+        if (is("velocity") && observed == nullptr) add("velocity", Parameter::Use::scene, k, body.velocity[k], 0.02, 0);
       }
     }
   }
@@ -151,6 +191,24 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
     if (const std::optional<Parameter> p = number_of(tree, key)) result.push_back(*p);
   }
   return result;
+}
+
+std::vector<StartContradiction> contradictions(const std::vector<Parameter>& start) {
+  std::map<std::string, StartContradiction> found;
+  std::map<std::string, double> doubt;  // squares
+  for (const Parameter& p : start) {
+    if (p.use != Parameter::Use::scene || p.component < 0 || !std::isfinite(p.told) || !std::isfinite(p.read)) continue;
+    StartContradiction& c = found.try_emplace(p.key, StartContradiction{p.key, Vec3::Zero(), Vec3::Zero()}).first->second;
+    c.read[p.component] = p.read;
+    c.told[p.component] = p.told;
+    doubt[p.key] += p.prior_sd * p.prior_sd;
+  }
+  std::vector<StartContradiction> beyond_doubt;
+  for (const auto& [key, c] : found) {
+    const double apart = (c.read - c.told).norm();
+    if (c.told.norm() > 0 && apart > contradicts * std::max(c.told.norm(), c.read.norm()) && apart > std::sqrt(doubt.at(key))) beyond_doubt.push_back(c);
+  }
+  return beyond_doubt;
 }
 
 }  // namespace repose::diagnosis

@@ -1,5 +1,6 @@
 /// Bundles that are wrong in one place each, beside a twin that is right there: refused with place and remedy, or accepted with a
 /// warning; never read as if nothing were wrong.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -32,6 +33,16 @@ runs:
 )";
 const std::string path_a = "time,body,x,y,z,qw,qx,qy,qz\n0,ball,0,0,1,1,0,0,0\n0.1,ball,0.03,0,0.951,1,0,0,0\n0.2,ball,0.06,0,0.804,1,0,0,0\n0.3,ball,0.09,0,0.559,1,0,0,0\n";
 const std::string path_b = "time,body,x,y,z\n0,ball,0,0,1\n0.1,ball,0.031,0,0.951\n0.2,ball,0.062,0,0.804\n0.3,ball,0.093,0,0.559\n";
+/// A longer flight; what is not empty takes the place of x, y, z in the sixth sample.
+std::string flight_b(const std::string& sixth) {
+  std::string text = "time,body,x,y,z\n";
+  for (int i = 0; i < 12; ++i) {
+    const double t = 0.025 * i;
+    text += fmt::format("{},ball,", t) + (i == 5 && !sixth.empty() ? sixth : fmt::format("{},0,{}", 0.31 * t, 1 - 4.905 * t * t)) + "\n";
+  }
+  return text;
+}
+
 /// Long enough to tell its own noise.
 const std::string force = [] {
   std::string text = "time,value\n";
@@ -122,7 +133,11 @@ const std::vector<Case>& cases() {
        "run b: the first sample is at 5 s, and the scene begins at 0; if the clock ran before the run began, say when that was: `from: 5`", ""},
       {"long_gap", "b.csv", path_b, "time,body,x,y,z\n0,ball,0,0,1\n0.001,ball,0,0,1\n0.002,ball,0.001,0,1\n0.003,ball,0.001,0,1\n0.3,ball,0.093,0,0.559\n",
        path_b, "a gap", ""},
-      {"unseen_start_value", "recording.yaml", "id: b\n", "id: b\n    free: [bodies.ball.angular_velocity]\n", "id: b\n    free: [bodies.ball.velocity]\n",
+      {"misread_sample", "b.csv", path_b, flight_b("0.03875,0,1.4"), flight_b(""), "run b: `position` jumps away and back within one sample, first at 0.125 s",
+       "Leave such a cell empty"},
+      {"zeros_for_a_gap", "b.csv", path_b, flight_b("0,0,0"), flight_b(",,"), "run b: `position` is exactly zero in all axes in 1 sample, first at 0.125 s",
+       "an empty cell"},
+      {"unseen_start_value", "recording.yaml", "id: b\n", "id: b\n    free: [bodies.ball.orientation]\n", "id: b\n    free: [bodies.ball.velocity]\n",
        "nothing recorded shows", ""},
       {"unknown_series", "recording.yaml", "name: specific_force, body: ball, axis: [0, 0, 1], unit: m/s^2", "name: humidity",
        "name: height, body: ball, unit: m", "none that can be simulated", ""},

@@ -7,6 +7,7 @@
 #include "analysis/diagnosis/calibrated_constant.hpp"
 #include "analysis/diagnosis/horizon.hpp"
 #include "analysis/diagnosis/problem.hpp"
+#include "analysis/diagnosis/start_values.hpp"
 #include "core/error.hpp"
 #include "core/yaml_tree.hpp"
 #include "tests/unit/flight_bundle.hpp"
@@ -133,6 +134,58 @@ TEST(StartValues, AreReadOffTheFirstSamples) {
     EXPECT_NEAR(start[static_cast<std::size_t>(k)].start, v[k], 0.04);
     EXPECT_GT(start[static_cast<std::size_t>(k)].step, 0);
   }
+}
+
+TEST(StartValues, AreReadOffAsMuchAsLiesOnOneParabolaAndHeldNearIt) {
+  const Bundle bundle = flights({.noise = 1e-4, .rate = 100});
+  const std::vector<Parameter> start = start_values(bundle.runs[1], parse_yaml(bundle.scene.text, "scene"), {{"position", 1e-4}});
+  ASSERT_EQ(start.size(), 3u);
+  const Vec3 v(2, 1, 3);
+  for (int k = 0; k < 3; ++k) {
+    const Parameter& p = start[static_cast<std::size_t>(k)];
+    EXPECT_NEAR(p.start, v[k], 2e-3) << "all sixty samples lie on it: a standard error of 3e-4 m/s";
+    EXPECT_NEAR(p.upper - p.start, 0.3, 0.03) << "a tenth of the fastest";
+    EXPECT_NEAR(p.start - p.lower, 0.3, 0.03);
+  }
+  Bundle bent = bundle;
+  for (std::size_t i = 3; i < 60; ++i) bent.runs[1].observations[0].position[i].x() += 2 * (bent.runs[1].observations[0].time[i] - 0.025);
+  const Parameter hit = start_values(bent.runs[1], parse_yaml(bent.scene.text, "scene"), {{"position", 1e-4}}).front();
+  EXPECT_GT(hit.upper, 1e100) << "what is hit within the first samples is read by a path that it did not take";
+  EXPECT_GT(hit.prior_sd, 0.3);
+}
+
+TEST(StartValues, ASpinThatOnlyThePathShowsBeginsAsTheSceneHasIt) {
+  Bundle bundle = flights({});
+  bundle.runs[0].free = {"bodies.ball.angular_velocity"};
+  bundle.runs[0].observations[0].orientation.clear();
+  YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  set_path(tree, "bodies.ball.angular_velocity", "[0, 30, 0]");
+  const std::vector<Parameter> start = start_values(bundle.runs[0], tree, {});
+  if (!path_shows_spin(bundle.scene)) {
+    EXPECT_TRUE(start.empty()) << "a ball alone in still air";
+    set_path(tree, "bodies.floor", "{shape: ball, material: foam, fixed: true, position: [0, 0, -9]}");
+  }
+  const std::vector<Parameter> beside = start_values(bundle.runs[0], tree, {});
+  ASSERT_EQ(beside.size(), 3u);
+  EXPECT_EQ(beside[1].start, 30);
+  EXPECT_GT(beside[1].prior_sd, 29);
+  EXPECT_GT(beside[1].step, 0);
+}
+
+TEST(StartValues, ContradictTheSceneWhereAxesWereExchanged) {
+  Bundle bundle = flights({.noise = 1e-4, .rate = 100});
+  const YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  YamlNode told = tree;
+  set_path(told, "bodies.ball.velocity", "[2, 1, 3]");
+  EXPECT_TRUE(contradictions(start_values(bundle.runs[1], told, {{"position", 1e-4}})).empty());
+  set_path(told, "bodies.ball.velocity", "[3, 1, -2]");
+  const std::vector<StartContradiction> found = contradictions(start_values(bundle.runs[1], told, {{"position", 1e-4}}));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].key, "bodies.ball.velocity");
+  EXPECT_NEAR(found[0].read.z(), 3, 0.01);
+  EXPECT_EQ(found[0].told.z(), -2);
+  set_path(told, "bodies.ball.velocity", "[0, 0, 0]");
+  EXPECT_TRUE(contradictions(start_values(bundle.runs[1], told, {{"position", 1e-4}})).empty()) << "zero says nothing";
 }
 
 TEST(StartValues, AComponentThatTheSceneStatesIsFreeOnce) {

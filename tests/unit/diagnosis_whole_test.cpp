@@ -68,6 +68,19 @@ TEST(Diagnosis, FindsDragNamesItAndProvesItOnRunsThatWereNotUsed) {
   for (const Compared& c : d.compared) EXPECT_NEAR(c.until, 0.6, 1e-9) << c.run;  // nothing here is chaotic
 }
 
+TEST(Diagnosis, ARunThatWasHeldOutAndIsMissedMakesNothingMissingUntrue) {
+  Bundle bundle = flights(six(9, "{}"));
+  bundle.split_given = true;
+  for (std::size_t i = 0; i < bundle.runs.size(); ++i) bundle.runs[i].held_out = i >= 4;
+  EXPECT_EQ(diagnose(bundle, fly, quick()).verdict.word, "none");
+  bundle.runs[4].observations[0].position[12].z() += 0.3;  // 300 sigma
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  EXPECT_EQ(d.verdict.word, "unknown");
+  EXPECT_EQ(d.only_held_out, std::vector<std::string>{bundle.runs[4].id});
+  ASSERT_FALSE(d.where.empty());
+  EXPECT_EQ(d.run_ids[d.where.front().run], bundle.runs[4].id);
+}
+
 TEST(Diagnosis, TheExtendedSceneGivesTheStatedScore) {
   const Bundle bundle = flights(six(2, drag));
   const Diagnosis d = diagnose(bundle, fly, quick());
