@@ -50,6 +50,23 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Options& opti
   return list;
 }
 
+/// The command that goes on after an interruption.
+std::string same_command(const Options& options, const Own& own) {
+  const Own usual;
+  std::string text = fmt::format("repose diagnose {} --out {} --seed {}", options.file.string(), options.out.string(), options.seed);
+  if (options.backend != Options{}.backend) text += " --backend " + options.backend;
+  if (!own.root.empty()) text += " --root " + own.root;
+  if (own.runs != usual.runs) text += fmt::format(" --runs {}", own.runs);
+  if (own.held_out != usual.held_out) text += fmt::format(" --held-out-runs {}", own.held_out);
+  if (!own.candidates.empty()) text += fmt::format(" --candidates {}", fmt::join(own.candidates, ","));
+  if (own.bootstrap != usual.bootstrap) text += fmt::format(" --bootstrap {}", own.bootstrap);
+  if (own.one_engine) text += " --one-engine";
+  if (own.replicas != usual.replicas) text += fmt::format(" --replicas {}", own.replicas);
+  if (options.allow_unsupported) text += " --allow-unsupported";
+  for (const Override& o : options.overrides) text += fmt::format(" --set '{}={}'", o.path, o.value);
+  return text;
+}
+
 /// Refuses names that the library does not have.
 CLI::Validator known_effect() {
   return CLI::Validator(
@@ -64,7 +81,7 @@ CLI::Validator known_effect() {
 }
 
 /// Writes what every diagnosis leaves, diagnosis.json last of all, and tells it. `simulations`: so far.
-int finish(const Options& options, nlohmann::json result, const std::string& extended_scene, const report::Report& page, bool complete, double wall_s,
+int finish(const Options& options, const Own& own, nlohmann::json result, const std::string& extended_scene, const report::Report& page, bool complete, double wall_s,
            std::size_t simulations, ProgressDisplay& display) {
   result["scenario"] = "diagnose";
   result["backend"] = options.backend;
@@ -79,7 +96,7 @@ int finish(const Options& options, nlohmann::json result, const std::string& ext
     write_atomically(options.out / "partial.json", result.dump(2));
     display.message(fmt::format("interrupted after {} simulations: what was found so far is in {} and report.html", simulations,
                                 (options.out / "partial.json").string()));
-    display.message(fmt::format("to go on: the same command again, repose diagnose {} --out {}", options.file.string(), options.out.string()));
+    display.message("to go on: the same command again, " + same_command(options, own));
     return exit_status::interrupted;
   }
   write_atomically(options.out / "diagnosis.json", result.dump(2));
@@ -115,7 +132,7 @@ int run_bulk(const Options& options, const Own& own, const Bundle& bundle, Progr
     display.message("interrupted before the nominal scene was simulated; the same command goes on from here");
     return exit_status::interrupted;
   }
-  return finish(options, bulk_diagnosis_json(found, bundle), found.extended_scene, bulk_diagnosis_report(found, bundle), !found.interrupted, seconds_since(begun),
+  return finish(options, own, bulk_diagnosis_json(found, bundle), found.extended_scene, bulk_diagnosis_report(found, bundle), !found.interrupted, seconds_since(begun),
                 found.simulations, display);
 }
 
@@ -170,7 +187,7 @@ int run(const Options& options, const Own& own) {
     return exit_status::interrupted;
   }
   const diagnosis::Diagnosis& found = *found_before_the_end;
-  return finish(options, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own)), !found.interrupted, seconds_since(begun),
+  return finish(options, own, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own)), !found.interrupted, seconds_since(begun),
                 simulations, display);
 }
 
@@ -193,6 +210,7 @@ int main(int argc, char** argv) {
     app.add_option("--candidates", own.candidates, "only these effects are tried, parted by commas (default: the whole library; many grains: the likeliest eight)")
         ->type_name("NAMES")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(known_effect());
     app.add_option("--bootstrap", own.bootstrap, "so many recordings are simulated from the nominal fit and diagnosed anew, for its lack of fit (default 0: noise alone)")
         ->type_name("N")

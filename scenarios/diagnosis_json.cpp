@@ -66,6 +66,7 @@ json diagnosis_json(const Diagnosis& d) {
   result["verdict"] = d.verdict.word;
   result["headline"] = diagnosis_in_words(d);
   result["missing"] = json::array();
+  const bool held = has_held_out(d);
   const bool named = d.verdict.word != "none" && d.verdict.word != "unknown";
   for (const std::string& effect : named ? names_in_order(best.hypothesis) : std::vector<std::string>{})
     result["missing"].push_back({{"effect", effect}, {"probability", probability_of(d, effect)}, {"parameters", parameters_json(best, effect)}});
@@ -73,8 +74,10 @@ json diagnosis_json(const Diagnosis& d) {
     json entry = {{"effects", effects_in_order(d, r)}, {"probability", r.probability}};
     if (r.model >= 0) {
       const FittedHypothesis& model = d.models[static_cast<std::size_t>(r.model)];
-      entry["heldout_log_likelihood"] = model.held_out.log_likelihood;
-      entry["predicted_log_likelihood"] = r.held_out;
+      if (held) {
+        entry["heldout_log_likelihood"] = model.held_out.log_likelihood;
+        entry["predicted_log_likelihood"] = r.held_out;
+      }
       entry["where_it_acts"] = model.hypothesis.label();
       entry["train_chi2_per_dof"] = model.train.chi2_per_dof;
     }
@@ -103,7 +106,6 @@ json diagnosis_json(const Diagnosis& d) {
   for (const ParameterEstimate& p : nominal.parameters) calibrated[p.name] = {{"value", p.value}, {"lower", p.lower}, {"upper", p.upper}};
   result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", d.replicas}, {"null", d.bootstrapped ? "bootstrap" : "noise"}};
   result["fit"]["train"] = {{"runs", run_names(d, nominal.train)}, {"nominal", score_json(d, nominal, false)}, {"extended", score_json(d, best, false)}};
-  const bool held = has_held_out(d);
   result["fit"]["heldout"] = {{"runs", held ? run_names(d, nominal.held_out) : json::array()},
                               {"nominal", held ? score_json(d, nominal, true) : json::object()},
                               {"extended", held ? score_json(d, best, true) : json::object()},
@@ -115,6 +117,10 @@ json diagnosis_json(const Diagnosis& d) {
   if (const std::string& backend = d.models[d.best].fit.layout.numerics.backend; !backend.empty()) result["extended_backend"] = backend;
   for (const auto& [name, noise] : d.noise) result["noise"][name] = noise_json(d, name, noise);
   result["remaining_p"] = d.remaining_p;
+  result["tested"] = d.tested;
+  result["held_out_p"] = d.held_out_p ? json(*d.held_out_p) : json(nullptr);
+  result["only_held_out"] = d.only_held_out;
+  result["by_fitted_runs"] = d.verdict.by_fitted_runs;
   result["explained"] = d.explained;
   result["explained_accelerations"] = d.accelerations;
   result["simulations"] = d.simulations;

@@ -103,6 +103,12 @@ class Diagnosing {
     }
     if (const double factor = problem_.numerics().step_factor; factor > 1)
       result_.notes.push_back(fmt::format("Simulated in second order at {:.0f} times the scene's step, which moves the readings of no run by more than a twentieth of their noise (rms).", factor));
+    std::set<std::string> unused;
+    for (const RunData& data : problem_.runs())
+      for (const Observation& o : data.run->observations)
+        if (o.kind != ObservableKind::trajectory && !is_simulated_series(o)) unused.insert(o.name);
+    if (!unused.empty())
+      result_.notes.push_back(fmt::format("Not compared: {}. Beside trajectories of bodies only what a sensor on one of them reads is simulated.", fmt::join(unused, ", ")));
     for (const std::string& warning : bundle.warnings) result_.notes.push_back(warning);
   }
 
@@ -277,7 +283,7 @@ class Diagnosing {
   double explained_by(std::size_t model, std::size_t finer) const {
     const FittedHypothesis& m = result_.models[model];
     const FittedHypothesis& plain = result_.models[model == finer || model == 0 ? 0 : finer];
-    const double fitted = share_explained(plain.fit, m.fit);
+    const double fitted = share_explained(plain.fit, m.fit, noise_left_);
     if (held_.empty() || m.held_fit.per_dof() <= plainly_more_than_noise) return fitted;
     return std::min(fitted, share_explained(plain.held_fit, m.held_fit));
   }
@@ -298,6 +304,7 @@ class Diagnosing {
   void finish(Search& search) {
     fit_held_out();
     weigh_all();
+    noise_left_ = noise_left(problem_, result_.models[search.best()].fit);
     std::vector<Evidence> evidence;
     for (std::size_t i = 0; i < result_.models.size(); ++i) {
       const FittedHypothesis& m = result_.models[i];
@@ -458,6 +465,7 @@ class Diagnosing {
   Problem problem_;
   FitOptions fit_options_;
   std::vector<std::size_t> train_, held_;
+  double noise_left_ = 1;  ///< per degree of freedom, by the fit that leaves least
   double deviate_ = 0;  ///< of the nominal's lack of fit
 };
 

@@ -54,7 +54,7 @@ class Derivatives {
   Eigen::MatrixXd solve_;
 };
 
-double excess(const Fit& fit) { return std::max(0.0, fit.chi2 - static_cast<double>(fit.samples - fit.parameters)); }
+double excess(const Fit& fit, double noise = 1) { return std::max(0.0, fit.chi2 - noise * static_cast<double>(fit.samples - fit.parameters)); }
 
 /// Of the excess chi^2 of each run that plainly leaves more than noise: the share that the model leaves.
 std::vector<double> left_in_runs(const Fit& nominal, const Fit& model) {
@@ -73,12 +73,25 @@ std::vector<double> left_in_runs(const Fit& nominal, const Fit& model) {
 
 }  // namespace
 
-double share_explained(const Fit& nominal, const Fit& model) {
+double share_explained(const Fit& nominal, const Fit& model, double noise) {
   const std::vector<double> left = left_in_runs(nominal, model);
   if (!left.empty())
     return std::accumulate(left.begin(), left.end(), 0.0, [](double sum, double l) { return sum + std::max(-1.0, 1 - l); }) / static_cast<double>(left.size());
-  const double before = excess(nominal);
-  return before > 0 ? 1 - excess(model) / before : 0;
+  const double before = excess(nominal, noise);
+  return before > 0 ? 1 - excess(model, noise) / before : 0;
+}
+
+double noise_left(const Problem& problem, const Fit& fit) {
+  if (!(fit.per_dof() < 1)) return 1;
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < fit.runs.size(); ++i)
+    for (const Channel& c : problem.runs()[fit.runs[i]].channels)
+      for (std::size_t k = 1; k < c.time.size() && fit.residual[i].size() > 0; ++k, ++count) {
+        const Eigen::Index at = c.first + static_cast<Eigen::Index>(k);
+        sum += std::pow(fit.residual[i][at] - fit.residual[i][at - 1], 2) / 2;
+      }
+  return count == 0 ? 1 : std::min(1.0, sum / static_cast<double>(count));
 }
 
 std::vector<std::size_t> runs_beyond_noise(const Fit& fit) {

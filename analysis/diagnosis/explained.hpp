@@ -6,8 +6,12 @@ namespace repose::diagnosis {
 
 /// Of the nominal's chi^2 beyond what noise alone gives, the share that the model removes. Where some runs plainly leave more than
 /// noise, the mean over these: one that is beyond all models (a body that the tracker lost) must not speak for the others.
-/// Both fits are of the same runs. At most 1; below 0 where the model leaves more.
-double share_explained(const Fit& nominal, const Fit& model);
+/// Both fits are of the same runs. At most 1; below 0 where the model leaves more. `noise`: what noise alone gives, per degree of freedom.
+double share_explained(const Fit& nominal, const Fit& model, double noise = 1);
+
+/// What noise alone gives per degree of freedom, where it was taken for larger than it is: half the mean square of the differences between neighbouring residuals
+/// of a fit that leaves less than noise, for what is systematic hardly differs from one to the next. 1 of any other fit; never more.
+double noise_left(const Problem& problem, const Fit& fit);
 
 /// Runs of the fit that plainly leave more than noise.
 std::vector<std::size_t> runs_beyond_noise(const Fit& fit);

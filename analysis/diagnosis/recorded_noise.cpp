@@ -9,7 +9,7 @@
 namespace repose::diagnosis {
 namespace {
 
-constexpr double resolution = 1e-4;
+constexpr double resolution = 1e-4, finest_stated = 1e-6;  // of the range
 
 /// The step of which all samples are multiples, apart from where they begin; 0: there is none, or they are too few to show it.
 double step_of_readings(std::vector<double> x) {
@@ -62,7 +62,7 @@ class Collection {
       result[name] = {sd, result[name].sd > 0.5 * sd ? correlation_for(row->second, sd) : 0};
     }
     for (const auto& [name, range] : ranges_)
-      if (result[name].sd < resolution * range) result[name] = {resolution * range, 0};
+      if (const double least = (given.contains(name) ? finest_stated : resolution) * range; result[name].sd < least) result[name] = {least, 0};
     return result;
   }
 

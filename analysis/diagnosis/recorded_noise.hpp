@@ -10,7 +10,7 @@
 namespace repose::diagnosis {
 
 /// By observable: as the bundle gives it (readings in steps of q that scatter by more have sqrt(sd^2 + q^2 / 12), as far as they do), else noise_model() of all
-/// runs and axes together. At least 1e-4 of the observable's range, for
+/// runs and axes together. At least 1e-4 of the observable's range (of what the bundle gives: 1e-6), for
 /// less is a number that nothing disturbed, and no model is exact to that.
 std::map<std::string, NoiseModel> recorded_noise(const Bundle& bundle, const std::vector<std::size_t>& runs);
 

@@ -31,6 +31,7 @@ struct ParameterEstimate {
 /// apart by name, body and axis, and a run may lack some that others have; the second is called "sensor_bias.bias (2)". Intervals of
 /// shared ones are those of the profile likelihood if `profiled`, else of the curvature at the fit; of the others the mean over the runs that
 /// have it has Student's, and the value of a single run the curvature's. `scale`: of the residuals, in units of the noise.
+/// After an interruption: the shared ones, with all that their bounds leave open.
 std::vector<ParameterEstimate> estimates(const Problem& problem, const Fit& fit, double scale, bool profiled, std::uint64_t seed,
                                          const FitOptions& options);
 

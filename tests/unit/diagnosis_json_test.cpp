@@ -175,6 +175,7 @@ TEST(DiagnosisJson, with_nothing_held_out_the_held_out_part_is_empty) {
   const json result = diagnosis_json(d);
   EXPECT_EQ(result["fit"]["heldout"]["runs"], json::array());
   EXPECT_EQ(result["fit"]["heldout"]["extended"], json::object());
+  for (const json& r : result["ranked"]) EXPECT_FALSE(r.contains("heldout_log_likelihood")) << "of no run";
   EXPECT_EQ(faults_of(result), std::vector<std::string>{});
 }
 

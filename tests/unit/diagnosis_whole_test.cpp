@@ -68,6 +68,17 @@ TEST(Diagnosis, FindsDragNamesItAndProvesItOnRunsThatWereNotUsed) {
   for (const Compared& c : d.compared) EXPECT_NEAR(c.until, 0.6, 1e-9) << c.run;  // nothing here is chaotic
 }
 
+TEST(Diagnosis, NoiseThatIsStatedTooLargeHidesNoShareOfWhatIsExplained) {
+  Bundle bundle = flights(six(3, "{quadratic_drag: {coefficient: 0.015, fluid_density: 1.2}}"));
+  bundle.noise["position"] = 1.35e-3;  // truth 1e-3: the fit leaves 0.55 per degree of freedom, and the nominal less than 1
+  const Diagnosis d = diagnose(bundle, fly, quick());
+  ASSERT_LT(d.models.front().fit.per_dof(), 1);
+  EXPECT_LE(d.lack_of_fit_p, 0.01);
+  EXPECT_NE(d.verdict.word, "unknown");
+  EXPECT_NE(d.best, 0u);
+  EXPECT_GT(d.explained, 0.8);
+}
+
 TEST(Diagnosis, ARunThatWasHeldOutAndIsMissedMakesNothingMissingUntrue) {
   Bundle bundle = flights(six(9, "{}"));
   bundle.split_given = true;
