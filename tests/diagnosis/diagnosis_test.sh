@@ -40,6 +40,33 @@ case $case in
     diagnose
     "$check" "$work/out" "$work/bundle" measurement length_scale length_scale.factor 1.03
     ;;
+  interrupted)
+    # Ctrl-C leaves what was found, says how to go on, and the same command then gives what it would have given.
+    record "$source/tests/diagnosis/thrown.yaml" --set "record.conceal={effects.quadratic_drag: {coefficient: 0.47, fluid_density: 1.2}$finer}"
+    diagnose --one-engine
+    mv -- "$work/out" "$work/whole"
+    "$bin/repose-diagnose" "$work/bundle" --replicas 199 --threads 1 --one-engine --out "$work/out" >"$work/log" 2>&1 &
+    running=$!
+    # Once it is at work: progress is told from then on.
+    until grep -q simulations "$work/log"; do sleep 0.05; done
+    kill -INT $running
+    status=0
+    wait $running || status=$?
+    [ $status -eq 130 ] || { cat "$work/log" >&2; echo "status $status instead of 130" >&2; exit 1; }
+    [ ! -e "$work/out/diagnosis.json" ]
+    grep -q -- "--replicas 199" "$work/log"
+    grep -q -- "--one-engine" "$work/log"
+    diagnose --one-engine
+    for run in whole out; do sed -E '/"wall_s"|"simulations"/d' "$work/$run/diagnosis.json" >"$work/$run.json"; done
+    cmp -- "$work/whole.json" "$work/out.json"
+    # Options that take a list do not swallow the bundle.
+    "$bin/repose-diagnose" --candidates quadratic_drag "$work/bundle" --replicas 199 --threads 1 --one-engine --quiet --out "$work/listed" >"$work/log" 2>&1
+    # What is wrong with a bundle ends with status 2.
+    sed -i 's/^0,/x,/' "$work/bundle"/*.csv
+    status=0
+    "$bin/repose-diagnose" "$work/bundle" --out "$work/bad" >"$work/log" 2>&1 || status=$?
+    [ $status -eq 2 ] || { cat "$work/log" >&2; echo "status $status instead of 2" >&2; exit 1; }
+    ;;
   layer)
     # Grains by the hundred: surfaces and loads against the scatter of packings.
     record "$source/scenarios/configs/concealed_layer.yaml" --set "record.runs=[{id: a}, {id: b}, {id: c}, {id: d}, {id: e}, {id: f}]"

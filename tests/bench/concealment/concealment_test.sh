@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The benchmark on a few cases. Usage: concealment_test.sh BIN_DIR
 #
-# Judges the programs, not the diagnosis: that cases are the same for the same seed, that every case gets a verdict and a score,
+# Judges the programs, not the diagnosis: that cases are the same for the same seed, that every case gets a verdict without an error, and a score,
 # and that the seal holds.
 set -eu
 bin=$(cd "$1" && pwd)
@@ -36,6 +36,7 @@ refused "no verdict yet" "$bin/concealment_score" cases
 "$bin/concealment_diagnose" cases --suggested
 "$bin/concealment_score" cases --page page.md
 grep -q "^| case-002 |" page.md || fail "a case is not scored"
+! grep -qE "^\\| case-00[12] .*\\| failed \\|" page.md || fail "a diagnosis ended with an error"
 
 refused "opened already" "$bin/concealment_diagnose" cases
 cp -r cases late
