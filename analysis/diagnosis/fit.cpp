@@ -16,6 +16,8 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr double far_off = 25;        // chi^2 per sample of a run that may be stuck: 5 sigma
+constexpr int grown_fit = 6;
+constexpr double grown_shares[] = {0.2, 0.3, 0.4, 0.55, 0.75};
 constexpr int shakes = 4;
 constexpr double basin_gain = 1;   // of chi^2: another basin gains more
 constexpr int shaken_fit = 3;         // iterations that tell how deep a neighbouring basin is
@@ -199,6 +201,38 @@ Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<s
   Fit fit = trained;
   fit.runs = runs;
   return solve(problem, fit, options, true);
+}
+
+double chi2_until(const Problem& problem, const Fit& fit, double until) {
+  double sum = 0;
+  for (const std::size_t run : fit.runs) {
+    const Eigen::VectorXd r = residual_of(problem, fit, run);
+    if (r.size() == 0) return std::numeric_limits<double>::infinity();
+    for (const Channel& c : problem.runs()[run].channels)
+      for (std::size_t i = 0; i < c.time.size() && c.time[i] <= until; ++i) sum += r[c.first + static_cast<Eigen::Index>(i)] * r[c.first + static_cast<Eigen::Index>(i)];
+  }
+  return sum;
+}
+
+Fit followed(const Problem& problem, const Fit& start, const std::vector<std::vector<double>>& points, const FitOptions& options) {
+  double longest = 0;
+  for (const std::size_t run : start.runs) longest = std::max(longest, problem.runs()[run].horizon);
+  Fit fit = start;
+  FitOptions part = options;
+  part.iterations = grown_fit;
+  for (const double share : grown_shares) {
+    if (options.interrupted && options.interrupted()) break;
+    part.until = share * longest;
+    std::vector<Fit> tried(1, fit);
+    for (const std::vector<double>& point : points) {
+      tried.push_back(fit);
+      for (std::size_t i = 0; i < point.size(); ++i) tried.back().shared[fit.shared.size() - static_cast<Eigen::Index>(point.size() - i)] = point[i];
+    }
+    std::vector<double> left(tried.size());
+    side_by_side(tried.size(), options.threads, [&](std::size_t i) { left[i] = chi2_until(problem, tried[i], part.until); });
+    fit = minimise(problem, tried[static_cast<std::size_t>(std::min_element(left.begin(), left.end()) - left.begin())], part);
+  }
+  return minimise(problem, fit, options);
 }
 
 Fit begun_anew(const Problem& problem, const Fit& fit, const std::vector<std::size_t>& runs, const FitOptions& options) {

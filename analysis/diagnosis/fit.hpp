@@ -46,6 +46,14 @@ Fit minimise(const Problem& problem, const Fit& start, const FitOptions& options
 /// Frozen shared parameters: only the values of each run of `runs` are fitted.
 Fit minimise_own(const Problem& problem, const Fit& trained, const std::vector<std::size_t>& runs, const FitOptions& options);
 
+/// Chi^2 of the samples until a time [s].
+double chi2_until(const Problem& problem, const Fit& fit, double until);
+
+/// The best of the fit and of `points` (values of its last shared parameters), fitted to a growing part of all records: where a small difference grows, as that
+/// of a spin does after an impact, the whole record leads a fit astray, and its beginning does not. At each length the points are looked at again, for a coefficient may do
+/// nothing beyond some value (a contact that sticks). May be worse than `start`.
+Fit followed(const Problem& problem, const Fit& start, const std::vector<std::vector<double>>& points, const FitOptions& options);
+
 /// Those of `runs` that are off by more than 5 sigma may be stuck, behind an impact that their first start values miss: they are begun anew from the start
 /// values as read off the data and as the scene has them, fitted to a growing part of the record. So is every run in which
 /// bodies hit (RunData::hits) that another backend solves: there the path jumps with the step in which it sees that. Shared parameters stay. Never worse than `fit`.

@@ -107,6 +107,7 @@ class Screening {
     std::vector<Eigen::VectorXd> directions;
     for (const Values& point : tried_points(parameters, points)) {
       values.tail(point.size()) = point;
+      best_.tried.emplace_back(point.begin(), point.end());
       const Eigen::VectorXd near = stacked(values, false);
       if (near.size() > 0) {
         Probe probe{nuisance_.left_of(near - nuisance_.residual()), true};

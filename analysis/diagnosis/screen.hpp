@@ -16,6 +16,7 @@ struct Screened {
   double deviate = 0;                 ///< of the probe that stands out most
   double reached = 0;                 ///< smallest chi^2 over the search, nuisance taken out; of the nominal: `reached` of nothing
   std::vector<double> shared_start;   ///< the term's shared parameters there
+  std::vector<std::vector<double>> tried;  ///< all points of the first search
   bool from_data = false;             ///< reached from the start values as read off the data, not from the nominal fit's
   std::vector<Probe> probes;
 };

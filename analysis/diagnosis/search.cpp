@@ -17,7 +17,7 @@ constexpr int profile_points = 10;
 constexpr int short_fit = 4;              // iterations that tell which candidates deserve more
 constexpr std::size_t stated_fits = 2;    // constants of the scene that are fitted to the end
 constexpr std::size_t guard_starts = 6;   // of the nominal, from candidates
-constexpr double poor_fit = 2;            // chi^2 per degree of freedom
+constexpr double poor_fit = 2, led_astray = 100;  // chi^2 per degree of freedom
 constexpr std::size_t bases_of_pairs = 2, pairs_each = 3, pairs_foreseen = 6;
 constexpr std::size_t pairs_parted = 3;
 
@@ -153,7 +153,7 @@ std::vector<Screened> Search::screen_about(const Fit& fit, const Nuisance& nuisa
 }
 
 /// The fit of `base` with more terms, begun where the screening reached most; where the base is poor also from the start values as
-/// read off the data; and from nothing, so that it is never worse than `base` (step 3).
+/// read off the data; and from nothing, so that it is never worse than `base` (step 3). What is then off by many sigma is followed from the beginning of the records.
 Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms, int iterations) const {
   Hypothesis hypothesis = without_numerics(base.layout.hypothesis);
   for (const Screened* s : terms) hypothesis.terms.push_back(s->term);
@@ -181,6 +181,14 @@ Fit Search::extended(const Fit& base, const std::vector<const Screened*>& terms,
     if (Fit other = begin(true, true); other.chi2 < best.chi2) best = std::move(other);
   if (best.chi2 > base.chi2 - gains_to_matter)
     if (Fit other = begin(false, false); other.chi2 < best.chi2) best = std::move(other);
+  if (best.per_dof() > led_astray && terms.size() == 1 && without_numerics(base.layout.hypothesis).terms.empty() && !terms.front()->tried.empty()) {
+    Fit start = start_of(problem_, layout, train_);
+    start.shared.head(base.shared.size()) = base.shared;
+    for (std::size_t i = 0; i < terms.front()->shared_start.size(); ++i) start.shared[base.shared.size() + static_cast<Eigen::Index>(i)] = terms.front()->shared_start[i];
+    for (std::size_t run = 0; run < start.own.size(); ++run)
+      for (Eigen::Index i = 0; i < start.own[run].size(); ++i) start.own[run][i] = layout.per_run[run][static_cast<std::size_t>(i)].begin();
+    if (Fit other = followed(problem_, start, terms.front()->tried, options); other.chi2 < best.chi2) best = std::move(other);
+  }
   return best;
 }
 
