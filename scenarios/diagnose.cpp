@@ -23,6 +23,7 @@
 #include "scenarios/history.hpp"
 #include "scenarios/interrupt.hpp"
 #include "scenarios/progress.hpp"
+#include "scenarios/simulate.hpp"
 #include "scenarios/version.hpp"
 
 namespace {
@@ -136,8 +137,16 @@ int run_bulk(const Options& options, const Own& own, const Bundle& bundle, Progr
                 found.simulations, display);
 }
 
+/// As every run of a simulation begins. What is doubtful joins the bundle's own doubts.
+void check_plausibility_of(Bundle& bundle, const Options& options) {
+  Options how = options;
+  how.allow_unsupported = true;  // what the backend lacks is told by the first simulation
+  for (const Finding& finding : prepare_quietly(bundle.scene, how).findings) bundle.warnings.push_back(fmt::format("nominal scene: {}: {}", finding.place, finding.message));
+}
+
 int run(const Options& options, const Own& own) {
-  const Bundle bundle = read_bundle(options.file, own.root, options.overrides);
+  Bundle bundle = read_bundle(options.file, own.root, options.overrides);
+  check_plausibility_of(bundle, options);
   std::error_code ignored;
   std::filesystem::create_directories(options.out, ignored);
   for (const char* old : {"diagnosis.json", "partial.json"}) std::filesystem::remove(options.out / old, ignored);

@@ -91,7 +91,7 @@ double noise_left(const Problem& problem, const Fit& fit) {
         const Eigen::Index at = c.first + static_cast<Eigen::Index>(k);
         sum += std::pow(fit.residual[i][at] - fit.residual[i][at - 1], 2) / 2;
       }
-  return count == 0 ? 1 : std::min(1.0, sum / static_cast<double>(count));
+  return count == 0 ? 1 : std::min(fit.per_dof(), sum / static_cast<double>(count));
 }
 
 std::vector<std::size_t> runs_beyond_noise(const Fit& fit) {

@@ -10,7 +10,7 @@ namespace repose::diagnosis {
 double share_explained(const Fit& nominal, const Fit& model, double noise = 1);
 
 /// What noise alone gives per degree of freedom, where it was taken for larger than it is: half the mean square of the differences between neighbouring residuals
-/// of a fit that leaves less than noise, for what is systematic hardly differs from one to the next. 1 of any other fit; never more.
+/// of a fit that leaves less than noise, for what is systematic hardly differs from one to the next; at most what it leaves. 1 of any other fit.
 double noise_left(const Problem& problem, const Fit& fit);
 
 /// Runs of the fit that plainly leave more than noise.

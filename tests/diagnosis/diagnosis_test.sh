@@ -61,6 +61,11 @@ case $case in
     cmp -- "$work/whole.json" "$work/out.json"
     # Options that take a list do not swallow the bundle.
     "$bin/repose-diagnose" --candidates quadratic_drag "$work/bundle" --replicas 199 --threads 1 --one-engine --quiet --out "$work/listed" >"$work/log" 2>&1
+    # A scene that no grains can be is refused, unless it is meant so.
+    status=0
+    "$bin/repose-diagnose" "$work/bundle" --replicas 199 --threads 1 --one-engine --quiet --out "$work/absurd" --set materials.foam.density=0.05 >"$work/log" 2>&1 || status=$?
+    [ $status -eq 2 ] || { cat "$work/log" >&2; echo "status $status instead of 2" >&2; exit 1; }
+    grep -q -- "--force" "$work/log"
     # What is wrong with a bundle ends with status 2.
     sed -i 's/^0,/x,/' "$work/bundle"/*.csv
     status=0
