@@ -31,7 +31,7 @@ std::string most_moved(const RunData& data, const Eigen::VectorXd& d) {
 }
 
 void sort_by_p(std::vector<Located>& entries) {
-  std::stable_sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.deviate > b.deviate; });
+  std::stable_sort(entries.begin(), entries.end(), [](const Located& a, const Located& b) { return a.p != b.p ? a.p < b.p : a.strength > b.strength; });
 }
 
 /// Pieces of two bodies, in which both are hit at the same time.
@@ -140,6 +140,7 @@ class Locating {
       stretch.p = std::min(stretch.p, piece.p);
       stretch.deviate = std::max(stretch.deviate, piece.deviate);
     }
+    stretch.strength = window.strength;
     stretch.force = impulse / lasts;
     stretch.force_se = variance.cwiseSqrt() / lasts;
     return stretch;
@@ -186,6 +187,7 @@ class Locating {
       }
       entry.deviate = deviate_of(probe);
       double alone = strength_of(probe);
+      entry.strength = alone;
       probes_.push_back(std::move(probe));
       // A blow turns, too, and an inertia that is wrong shows in that. While a body flies or rolls the turn that a torque makes is too large for slopes.
       if (segment.phase == Phase::impact && is_seen_to_turn(body)) {
@@ -194,7 +196,7 @@ class Locating {
         Probe with_torque = probe_of(wrench);
         if (with_torque.basis.cols() > 0) {
           entry.deviate = std::max(entry.deviate, deviate_of(with_torque));
-          alone = std::max(alone, strength_of(with_torque));
+          entry.strength = alone = std::max(alone, strength_of(with_torque));
           probes_.push_back(std::move(with_torque));
         }
       }

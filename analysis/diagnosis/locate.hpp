@@ -17,11 +17,12 @@ struct Located {
   Vec3 force = Vec3::Zero();     ///< unknown force, all segments of the run estimated together [N]; 0 where it cannot be seen
   Vec3 force_se = Vec3::Zero();
   double deviate = 0;       ///< of a force (impacts: or a wrench) on the body in this segment, or of the impulse of the contact in which it is hit (probe.hpp)
+  double strength = 0;   ///< the same on a scale on which one direction and six compare (probe.hpp); of a stretch, that of one force or drag along all of it
   double p = 1;             ///< corrected for all segments of all runs
 };
 
 struct Places {
-  std::vector<Located> pieces;     ///< every segment by itself, sorted by p, then by deviate
+  std::vector<Located> pieces;     ///< every segment by itself, sorted by p, then by strength
   /// Windows of one run, body and phase each, disjoint within these: those through which one force stands out most, constant, or against the motion and
   /// constant or as its square, so that what acts all along a phase is told as one. They reach across impacts. Of those that stand out alike, the longest.
   /// The force is the mean over its time in the phase, p the smallest of its pieces. An impact is wider by one sample on either side, since it is seen no
