@@ -134,6 +134,8 @@ LackOfFit Search::lack_in(const Fit& fit) {
   const double p_where = lack.places.pieces.empty() ? 1 : lack.places.pieces.front().p;
   for (const Located& l : lack.places.pieces) lack.deviate = std::max(lack.deviate, l.deviate);
   lack.p = std::min(1.0, 2 * std::min(lack.p_effects, p_where));
+  // Far beyond noise something is wrong, be it only the start values, though no probe points at it.
+  if (lack.tested && fit.per_dof() > far_beyond_noise * far_beyond_noise) lack.p = std::min(lack.p, 1.0 / (1 + options_.replicas));
   if (!fit.layout.numerics.backend.empty()) lack.p = lack.p_effects = 1.0 / (1 + options_.replicas);
   return lack;
 }

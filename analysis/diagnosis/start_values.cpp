@@ -15,12 +15,12 @@ namespace repose::diagnosis {
 namespace {
 
 constexpr int early_samples = 10, fewest_to_judge = 8;
-// Of the weak prior: so many standard errors of the noise, or this share of the fastest that was seen: the larger one where an impact bends the path that
-// is read as a parabola.
-constexpr double prior_errors = 30, prior_share = 0.3, smooth_share = 0.03;
-// A tilted or stretched frame and a late clock move a velocity that is read off a smooth path by no more than this share of the fastest; a hop of a ball that
-// rolls, or a push of it into the floor, would be more.
-constexpr double most_moved = 0.1;
+// Of the weak prior: so many standard errors of the noise, or this share of the fastest that was seen, for an impact bends the path that is read as a
+// parabola, and a ball that slides for a moment before it rolls has begun with another velocity than the path shows.
+constexpr double prior_errors = 30, prior_share = 0.3;
+// Along an axis on which a body does not move all the while it begins with no more than this share of its fastest (a frame may be tilted): a hop of a ball
+// that rolls, or a push of it into the floor, would be more.
+constexpr double still = 0.1, still_prior = 0.03;
 constexpr double contradicts = 0.5;    // of the larger of two vectors
 constexpr double beyond_noise = 3;     // standard deviations of chi^2: more is no parabola
 constexpr double steps_of_spin = 1e-3; // differencing step of a spin that nothing recorded shows directly
@@ -29,7 +29,7 @@ constexpr double steps_of_spin = 1e-3; // differencing step of a spin that nothi
 struct Early {
   bool seen = false, smooth = false;  ///< smooth: a parabola to within the noise
   double value = 0, slope = 0, value_se = 1, slope_se = 1;
-  double value_known = 1, slope_known = 1;  ///< standard errors from as many samples as lie on one parabola
+  double moves = 0;                   ///< from the first of the samples to the last, at most
 };
 
 Early parabola(const std::vector<double>& time, const std::vector<double>& value, std::size_t samples, double noise) {
@@ -38,16 +38,24 @@ Early parabola(const std::vector<double>& time, const std::vector<double>& value
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index k = 0; k < order; ++k) basis(i, k) = std::pow(time[static_cast<std::size_t>(i)], static_cast<double>(k));
   const Eigen::VectorXd data = Eigen::Map<const Eigen::VectorXd>(value.data(), n);
-  const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(data);
+  const Eigen::VectorXd fit = basis.colPivHouseholderQr().solve(data), path = basis * fit;
   const Eigen::MatrixXd covariance = (basis.transpose() * basis).inverse();
   const double free = static_cast<double>(n - order);
-  const bool smooth = samples >= fewest_to_judge && (data - basis * fit).squaredNorm() <= noise * noise * (free + beyond_noise * std::sqrt(2 * free));
-  const double value_se = std::sqrt(covariance(0, 0)), slope_se = std::sqrt(covariance(1, 1));
-  return {true, smooth, fit[0], fit[1], value_se, slope_se, value_se, slope_se};
+  const bool smooth = samples >= fewest_to_judge && (data - path).squaredNorm() <= noise * noise * (free + beyond_noise * std::sqrt(2 * free));
+  return {true, smooth, fit[0], fit[1], std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1)), path.maxCoeff() - path.minCoeff()};
 }
 
+/// Of one axis: by the first few samples, and by all.
+struct Axis {
+  Early early, all;
+  double lasts = 0;  ///< [s]
+
+  /// Nothing moves along it, all the while, by more than a small share of what the fastest would.
+  bool is_still(double fastest) const { return all.smooth && all.moves < still * fastest * lasts; }
+};
+
 /// `noise`: of a value.
-Early early(const std::vector<double>& time, const std::vector<double>& value, double noise) {
+Axis look_along(const std::vector<double>& time, const std::vector<double>& value, double noise) {
   std::vector<double> t, x;
   for (std::size_t i = 0; i < time.size(); ++i)
     if (std::isfinite(value[i]) && time[i] >= 0) {
@@ -55,22 +63,11 @@ Early early(const std::vector<double>& time, const std::vector<double>& value, d
       x.push_back(value[i]);
     }
   if (t.size() < 2) return {};
-  std::size_t samples = std::min<std::size_t>(t.size(), early_samples);
-  Early begin = parabola(t, x, samples, noise), longer = begin;
-  while (longer.smooth) {
-    begin.value = longer.value;
-    begin.slope = longer.slope;
-    begin.value_known = longer.value_se;
-    begin.slope_known = longer.slope_se;
-    if (samples == t.size()) break;
-    samples = std::min(t.size(), 2 * samples);
-    longer = parabola(t, x, samples, noise);
-  }
-  return begin;
+  return {parabola(t, x, std::min<std::size_t>(t.size(), early_samples), noise), parabola(t, x, t.size(), noise), t.back() - t.front()};
 }
 
 struct Seen {
-  Early position[3], turn[3];
+  Axis position[3], turn[3];
   std::optional<Quat> orientation;
   double speed = 0, spin = 0;  ///< the fastest from one sample to the next
 };
@@ -91,7 +88,7 @@ Seen look_at(const Observation& o, double noise_of_position, double noise_of_tur
   for (int k = 0; k < 3; ++k) {
     std::vector<double> x;
     for (const Vec3& p : o.position) x.push_back(p[k]);
-    seen.position[k] = early(o.time, x, noise_of_position);
+    seen.position[k] = look_along(o.time, x, noise_of_position);
     seen.speed = std::max(seen.speed, fastest(o.time, x));
   }
   const auto first = std::find_if(o.orientation.begin(), o.orientation.end(), [](const Quat& q) { return std::isfinite(q.w()); });
@@ -99,8 +96,8 @@ Seen look_at(const Observation& o, double noise_of_position, double noise_of_tur
   const auto turns = turns_of(o.orientation);
   Vec3 at_zero = Vec3::Zero();
   for (int k = 0; k < 3; ++k) {
-    seen.turn[k] = early(o.time, turns[static_cast<std::size_t>(k)], noise_of_turn);
-    at_zero[k] = seen.turn[k].value;
+    seen.turn[k] = look_along(o.time, turns[static_cast<std::size_t>(k)], noise_of_turn);
+    at_zero[k] = seen.turn[k].early.value;
     seen.spin = std::max(seen.spin, fastest(o.time, turns[static_cast<std::size_t>(k)]));
   }
   seen.orientation = rotation_of(at_zero) * *first;
@@ -156,25 +153,26 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
       if (observed != nullptr) p.prior_sd = prior_sd;
       result.push_back(p);
     };
-    const auto of_value = [](double unit, const Early& e) { return prior_errors * unit * e.value_known; };
-    const auto add_slope = [&](const char* what, int k, double unit, const Early& e, double fastest_seen) {
-      const double sure = prior_errors * unit * (e.smooth ? e.slope_known : e.slope_se);
-      add(what, Parameter::Use::scene, k, e.slope, unit * e.slope_se, std::max(sure, (e.smooth ? smooth_share : prior_share) * fastest_seen));
-      if (!e.smooth) return;
-      result.back().lower = e.slope - std::max(sure, most_moved * fastest_seen);
-      result.back().upper = e.slope + std::max(sure, most_moved * fastest_seen);
+    const auto add_slope = [&](const char* what, int k, double unit, const Axis& axis, double fastest_seen) {
+      const bool moves = !axis.is_still(fastest_seen);
+      const Early& e = moves ? axis.early : axis.all;
+      const double sure = prior_errors * unit * e.slope_se;
+      add(what, Parameter::Use::scene, k, e.slope, unit * axis.early.slope_se, std::max(sure, (moves ? prior_share : still_prior) * fastest_seen));
+      if (moves) return;
+      result.back().lower = e.slope - std::max(sure, still * fastest_seen);
+      result.back().upper = e.slope + std::max(sure, still * fastest_seen);
     };
     for (const std::string& key : run.free) {
       const auto [vector, component] = vector_key(key);
       const auto is = [&, &vector = vector](const char* what) { return vector == "bodies." + body.name + "." + what; };
       for (int k = 0; k < 3; ++k) {
         if (component >= 0 && component != k) continue;
-        const Early& x = seen.position[k];
-        const Early& turn = seen.turn[k];
-        if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, length * x.value_se, of_value(length, x));
-        if (is("velocity") && x.seen) add_slope("velocity", k, length, x, seen.speed);
-        if (is("orientation") && seen.orientation) add("orientation", Parameter::Use::turn, k, 0, angle * turn.value_se, of_value(angle, turn));
-        if (is("angular_velocity") && seen.orientation) add_slope("angular_velocity", k, angle, turn, seen.spin);
+        const Early& x = seen.position[k].early;
+        const Early& turn = seen.turn[k].early;
+        if (is("position") && x.seen) add("position", Parameter::Use::scene, k, x.value, length * x.value_se, prior_errors * length * x.value_se);
+        if (is("velocity") && x.seen) add_slope("velocity", k, length, seen.position[k], seen.speed);
+        if (is("orientation") && seen.orientation) add("orientation", Parameter::Use::turn, k, 0, angle * turn.value_se, prior_errors * angle * turn.value_se);
+        if (is("angular_velocity") && seen.orientation) add_slope("angular_velocity", k, angle, seen.turn[k], seen.spin);
         // Seen by what it does to the path: as large as makes the body roll, or as the scene has it.
         if (is("angular_velocity") && observed != nullptr && !seen.orientation && path_shows_spin(scene)) {
           const double scale = std::max(body.angular_velocity.norm(), seen.speed / scene.shapes.at(body.shape).bounding_radius);

@@ -10,10 +10,10 @@
 
 namespace repose::diagnosis {
 
-/// Start values of a run from its own first samples: position and orientation, velocity and spin, from a parabola through the first ten, or through
-/// twice, four times ... as many as lie on one to within the noise. Only for the keys of `free` that can be seen; others start from `tree`, the
-/// scene with the run's own settings. A spin that only its effect on the path shows begins as the scene has it. A key may name one component
-/// (`bodies.ball.velocity.2`), or a positive number.
+/// Start values of a run from its own first samples: position and orientation, velocity and spin, from a parabola through the first ten. Along an axis on
+/// which the body never moves, from all samples, and then within narrow bounds. Only for the keys of `free` that can be seen; others start from `tree`, the scene with the
+/// run's own settings. A spin that only its effect on the path shows begins as the scene has it. A key may name one component (`bodies.ball.velocity.2`), or
+/// a positive number.
 std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, const std::map<std::string, double>& noise);
 
 /// A start vector that the samples and the scene contradict each other about.
