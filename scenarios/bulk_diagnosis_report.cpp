@@ -86,7 +86,7 @@ std::vector<Block> curves(const BulkDiagnosis& d, const Bundle& bundle) {
 
 }  // namespace
 
-Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle) {
+Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle, const std::vector<std::pair<std::string, std::string>>& settings) {
   const json found = bulk_diagnosis_json(d, bundle);
   Report r;
   r.title = "Diagnosis: " + bundle.title;
@@ -105,13 +105,14 @@ Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle) {
   r.sections.push_back({"Before and after", {summaries(found)}});
   if (!d.where.empty()) r.sections.push_back({"Where", {places(d)}});
   if (std::vector<Block> charts = curves(d, bundle); !charts.empty()) r.sections.push_back({"Curves", std::move(charts)});
-  Settings settings{"Settings",
-                    {{"lack of fit of the nominal scene, p", fmt::format("{:.2g}", d.lack_of_fit_p)},
-                     {"of the best model", fmt::format("{:.2g}", d.remaining_p)},
-                     {"share of the mismatch explained", fmt::format("{:.2f}", d.explained)},
-                     {"degrees of freedom of the scatter between seeds", std::to_string(d.scatter_dof)},
-                     {"held-out runs, paired p", fmt::format("{:.2g}", d.paired_p)}}};
-  r.sections.push_back({"How it was found", {std::move(settings), Warnings{d.notes}, Listing{"extended.yaml", d.extended_scene}}});
+  Settings all{"Settings", settings};
+  const std::vector<std::pair<std::string, std::string>> found_so{{"lack of fit of the nominal scene, p", fmt::format("{:.2g}", d.lack_of_fit_p)},
+                                                                  {"of the best model", fmt::format("{:.2g}", d.remaining_p)},
+                                                                  {"share of the mismatch explained", fmt::format("{:.2f}", d.explained)},
+                                                                  {"degrees of freedom of the scatter between seeds", std::to_string(d.scatter_dof)},
+                                                                  {"held-out runs, paired p", fmt::format("{:.2g}", d.paired_p)}};
+  all.entries.insert(all.entries.end(), found_so.begin(), found_so.end());
+  r.sections.push_back({"How it was found", {std::move(all), Warnings{d.notes}, Listing{"extended.yaml", d.extended_scene}}});
   return r;
 }
 

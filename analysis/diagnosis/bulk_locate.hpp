@@ -13,6 +13,7 @@ struct BulkLocated {
   std::string quantity;               ///< "roughness": standard deviation of a surface's heights; empty: the mean
   std::optional<double> t_start, t_end;            ///< part of a series [s]
   std::optional<double> radius_from, radius_to;    ///< part of a profile [m]
+  std::size_t run = 0;                ///< of the recorded ones, that which lies furthest from the simulated mean
   double difference = 0;              ///< recorded minus simulated, mean over the part, in the observable's unit
   double in_scatter = 0;              ///< the same in standard deviations of one run
   double p = 1;                       ///< of the test, corrected for all parts (Holm)
