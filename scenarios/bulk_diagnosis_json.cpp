@@ -52,7 +52,7 @@ json missing_json(const BulkDiagnosis& d) {
 /// Of the nominal scene, that the runs of the first fitted setting were compared with.
 std::size_t packings_of(const BulkDiagnosis& d) {
   const BulkModel& nominal = d.models.front().model;
-  return outcomes_at_fit(nominal, nominal, d.data.first_fitted()).size();
+  return outcomes_at_fit(nominal, nominal, d.data, d.data.first_fitted()).size();
 }
 
 json where_json(const BulkDiagnosis& d, const Bundle& bundle) {

@@ -69,7 +69,7 @@ std::vector<Block> curves(const BulkDiagnosis& d, const Bundle& bundle) {
   std::vector<Block> charts;
   const BulkModel& nominal = d.models.front().model;
   const std::size_t setting = d.data.first_fitted();
-  const std::vector<BulkOutcome> plain = outcomes_at_fit(nominal, nominal, setting), full = outcomes_at_fit(d.models[d.best].model, nominal, setting);
+  const std::vector<BulkOutcome> plain = outcomes_at_fit(nominal, nominal, d.data, setting), full = outcomes_at_fit(d.models[d.best].model, nominal, d.data, setting);
   for (const Observation& o : bundle.runs[d.data.settings[setting].train_runs.front()].observations) {
     if (o.kind != ObservableKind::profile && o.kind != ObservableKind::series) continue;
     Chart chart;

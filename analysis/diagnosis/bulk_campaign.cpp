@@ -68,14 +68,12 @@ void BulkCampaign::simulate(const std::string& stage, const std::vector<Wanted>&
     point.outcomes.resize(data_.settings.size());
     for (int i = 0; i < w.seeds; ++i)
       for (std::size_t s = 0; s < data_.settings.size(); ++s) {
-        const BulkSetting& setting = data_.settings[s];
-        const std::size_t like = setting.train_runs.empty() ? setting.held_runs.front() : setting.train_runs.front();
         BulkOutcome outcome = *answer++;
         failures_ += !outcome.failure.empty();
-        outcome.observations = sampled_like(std::move(outcome.observations), bundle_.runs[like].observations);
+        outcome.observations = thinned_like(std::move(outcome.observations), data_.settings[s].like);
         point.outcomes[s].push_back(std::move(outcome));
       }
-    for (const auto& outcomes : point.outcomes) point.rows.push_back(rows_of(outcomes, data_.summaries));
+    for (std::size_t s = 0; s < point.outcomes.size(); ++s) point.rows.push_back(rows_of(as_recorded(point.outcomes[s], data_.settings[s]), data_.summaries));
     w.model->design.push_back(std::move(point));
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "analysis/diagnosis/bulk_data.hpp"
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "core/error.hpp"
 #include "tests/unit/stand_in_heap.hpp"
 
@@ -139,6 +140,54 @@ TEST(BulkDataTest, ANumberThatIsAlwaysZeroIsLeftOut) {
   EXPECT_THROW(bulk_data(bundle, 1, notes), Error);
 }
 
+/// The heaps as another instrument takes them: to `reach` times the plate's radius, at `places` places of its own, and the table beyond the plate.
+void take_profiles_anew(Bundle& bundle, double reach, int places) {
+  constexpr double plate = 6e-4;
+  for (BundleRun& run : bundle.runs)
+    for (Observation& o : run.observations) {
+      if (o.kind != ObservableKind::profile) continue;
+      const BulkProfile whole = last_profile(o);
+      o.at.clear();
+      o.value.clear();
+      for (int i = 1; i <= places; ++i) {
+        o.at.push_back(reach * plate * i / places);
+        o.value.push_back(o.at.back() > plate ? 0 : height_at(whole, o.at.back()));
+      }
+    }
+}
+
+// What an instrument sees of a heap is no physics: neither how far it sees, nor where it reads.
+TEST(BulkDiagnosisTest, AHeapMayBeSeenInPartAndBeyondItsPlate) {
+  for (const double reach : {0.7, 1.0, 1.5})
+    for (std::uint64_t i = 1; i <= 4; ++i) {
+      Bundle bundle = recorded_heaps(9, 100 * i, {});
+      take_profiles_anew(bundle, reach, 30);
+      keep(bundle, {"heap"});
+      const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction"}, i));
+      EXPECT_EQ(d.verdict.word, "none") << reach << " " << d.lack_of_fit_p;
+      EXPECT_EQ(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.starts_with("`heap`"); }), reach != 1.0);
+    }
+}
+
+// One run that ends early, and others that have other places, are compared with each other over what all of them saw.
+TEST(BulkDataTest, ProfilesOfOneSettingAreReadAtOnesPlaces) {
+  Bundle bundle = recorded_heaps(3, 1, {}), part = bundle, dense = bundle;
+  take_profiles_anew(part, 0.7, 20);
+  take_profiles_anew(dense, 1.5, 90);
+  bundle.runs[1] = part.runs[1];
+  bundle.runs[2] = dense.runs[2];
+  std::vector<std::string> notes;
+  const Bundle equal = of_equal_length(bundle, notes);
+  const auto profile = [](const BundleRun& run) { return last_profile(run.observations[1]); };
+  ASSERT_EQ(profile(equal.runs[0]).at.size(), 20u);
+  for (const BundleRun& run : equal.runs) EXPECT_EQ(profile(run).at, profile(part.runs[1]).at);
+  // The stand-in's heap is a cone, which straight lines lose nothing of.
+  EXPECT_NEAR(profile(equal.runs[0]).height.back(), height_at(profile(bundle.runs[0]), 4.2e-4), 1e-12);
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_NE(notes[0].find("`heap` of pour-1, pour-3 is used up to 0.00042 m from the axis, where that of pour-2 ends"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[1].find("70 %"), std::string::npos) << notes[1];
+}
+
 TEST(BulkDiagnosisTest, OneNumberHasManyExplanations) {
   Bundle bundle = recorded_heaps(1, 1, {});
   keep(bundle, {"angle_of_repose"});
@@ -171,8 +220,11 @@ TEST(BulkDiagnosisTest, AFasterFlowThatNothingExplainsIsUnknown) {
   EXPECT_EQ(d.where.front().phase, "flow");
 }
 
+// What a long ruler shows beyond the plate is left out, so that heights alone tell it, whose scatter is 2 %.
 TEST(BulkDiagnosisTest, AWrongRulerIsAnErrorOfTheRecording) {
-  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {}, {.length_factor = 1.12}), stand_in(), with({"rolling_friction", "restitution", "length_scale"}));
+  BulkOptions options = with({"rolling_friction", "restitution", "length_scale"});
+  options.nominal_seeds = 40;
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(36, 500, {}, {.length_factor = 1.12}), stand_in(), options);
   EXPECT_EQ(d.verdict.word, "measurement");
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "length_scale");
   EXPECT_NEAR(d.models[d.best].estimates.front().value, 1.12, 0.02);
@@ -194,6 +246,19 @@ TEST(BulkDiagnosisTest, ALateClockAndAWrongProtractorAreErrorsOfTheRecording) {
   EXPECT_EQ(wrong.verdict.word, "measurement");
   EXPECT_EQ(wrong.models[wrong.best].model.candidate.hypothesis.label(), "sensor_bias (angle_of_repose)");
   EXPECT_NEAR(wrong.models[wrong.best].estimates.front().value, 4, 1);
+}
+
+// A clock that is late ends with the recording: less has flowed by then, and nobody poured less.
+TEST(BulkDiagnosisTest, ALateClockSeesLessOfAFlowThatGoesOn) {
+  Bundle bundle = recorded_heaps(12, 500, {}, {.late = 4e-3});
+  keep(bundle, {"discharged_mass"});
+  for (BundleRun& run : bundle.runs)
+    for (std::vector<double>* column : {&run.observations.front().time, &run.observations.front().value}) column->resize(81);  // 0.04 s of some 0.05
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction", "cohesion", "time_offset", "time_scale"}));
+  EXPECT_EQ(d.verdict.word, "measurement");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "time_offset");
+  EXPECT_NEAR(d.models[d.best].estimates.front().value, 4e-3, 4e-4);
+  EXPECT_GT(d.remaining_p, 0.01);
 }
 
 TEST(BulkDiagnosisTest, AValueThatTheSceneStatesMayBeWrong) {
@@ -283,7 +348,9 @@ TEST(BulkDiagnosisTest, APairThatNoSimulationBearsOutIsNoResult) {
 }
 
 TEST(BulkDiagnosisTest, PhysicsBesideAnErrorOfTheRecordingIsFound) {
-  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(18, 500, rolling, {.length_factor = 1.12}), stand_in(), with({"rolling_friction", "cohesion", "restitution", "length_scale"}));
+  BulkOptions options = with({"rolling_friction", "cohesion", "restitution", "length_scale"});
+  options.direct_seeds = 40;
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(36, 500, rolling, {.length_factor = 1.12}), stand_in(), options);
   EXPECT_EQ(d.verdict.word, "missing");
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "rolling_friction (grain-grain) + length_scale");
   ASSERT_EQ(d.models[d.best].estimates.size(), 2u);

@@ -271,6 +271,42 @@ TEST(SamplingTest, ASimulationIsReadAtTheRecordedTimes) {
   EXPECT_EQ(seen.value, (std::vector<double>{0, 5, 15, 20}));
 }
 
+// As far as the recorded times are concerned what is kept is the whole, and a late clock finds what came before and after them.
+TEST(SamplingTest, WhatIsKeptOfASimulationServesAnyClock) {
+  Observation made, taken;
+  made.kind = taken.kind = ObservableKind::series;
+  made.name = taken.name = "discharged_mass";
+  for (int i = 0; i <= 4000; ++i) {
+    made.time.push_back(1e-3 * i);
+    made.value.push_back(std::sin(made.time.back()));
+  }
+  for (int i = 0; i <= 20; ++i) {
+    taken.time.push_back(1 + 0.0503 * i);
+    taken.value.push_back(0);
+  }
+  Observation kept = thinned_like({made}, {taken}).front();
+  EXPECT_LT(kept.time.size(), 100u);
+  EXPECT_EQ(kept.time.back(), 4);
+  EXPECT_EQ(sampled_like({kept}, {taken}).front().value, sampled_like({made}, {taken}).front().value);
+  for (double& t : kept.time) t -= 0.5;
+  const Observation late = sampled_like({kept}, {taken}).front();
+  EXPECT_NEAR(late.value.back(), std::sin(taken.time.back() + 0.5), 1e-3);
+}
+
+TEST(SamplingTest, AProfileIsReadAtTheRecordedPlaces) {
+  Observation made, taken;
+  made.kind = taken.kind = ObservableKind::profile;
+  made.name = taken.name = "heap";
+  made.at = {0.1, 0.3, 0.5};
+  made.value = {5, 3, 1};
+  taken.at = {0.6, -0.2, 0, 0.4, 0.61, 0.3};
+  taken.value = {0, 0, 0, 0, 0, std::nan("")};
+  const Observation seen = sampled_like({made}, {taken}).front();
+  EXPECT_EQ(seen.at, (std::vector<double>{0, 0.2, 0.4, 0.6, 0.61}));
+  const std::vector<double> expected{5, 4, 2, 0, 0};  // level at the axis; the line goes on to the end of the last ring
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(seen.value[i], expected[i], 1e-12) << i;
+}
+
 TEST(BulkDataTest, RunsOfOneSettingAreUsedAsLongAsTheShortestLasts) {
   Bundle bundle;
   for (const double end : {2.0, 4.0, 3.0, 1.0}) {

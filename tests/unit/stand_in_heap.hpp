@@ -28,7 +28,7 @@ grains:
     fill: {frustum: {base: [0, 0, 1 mm], radius_bottom: 0.21 mm, radius_top: 0.75 mm, height: 0.935 mm}}
 tools:
   funnel: {material: wall, position: [0, 0, 1 mm], outlet_diameter: 0.42 mm, half_angle_deg: 30, top_diameter: 1.5 mm, wall_height: 1 mm, thickness: 0.1 mm, opens: 0.01 s}
-  base: {material: plate, diameter: 1.4 mm, rim_height: 0.06 mm, rim_width: 0.06 mm, trench_width: 0.8 mm, trench_depth: 0.4 mm, trench_wall: 0.6 mm}
+  base: {material: plate, diameter: 1.2 mm, rim_height: 0.06 mm, rim_width: 0.06 mm, trench_width: 0.8 mm, trench_depth: 0.4 mm, trench_wall: 0.6 mm}
 solver: {time_step: 1.0e-4, tolerance: 1.0e-3}
 duration: 0.1
 frame_interval: 5 ms
