@@ -246,6 +246,7 @@ BulkModel* BulkCampaign::find(const std::vector<std::string>& effects) {
 void BulkCampaign::numerics() {
   if (options_.numerics_seeds < 1) return;
   fit_numerics("time_step", "");
+  fit_numerics("solver_tolerance", "");
   for (const std::string& backend : options_.other_backends) fit_numerics("engine_law", backend);
 }
 
@@ -259,7 +260,7 @@ void BulkCampaign::fit_numerics(const char* effect, const std::string& backend) 
   const BulkModel& nominal = models_.front();
   model.candidate.calibrated = values_at(nominal.candidate, nominal.design[static_cast<std::size_t>(nominal.direct)].at);
   const std::size_t failed = failures_;
-  const std::string stage = backend.empty() ? "a finer step" : "the nominal scene by " + backend;
+  const std::string stage = !backend.empty() ? "the nominal scene by " + backend : std::string(effect) == "time_step" ? "a finer step" : "a tighter tolerance";
   double best = worth(nominal);
   for (const BulkModel& m : models_)
     if (m.posterior.weight.size() > 0) best = std::max(best, worth(m));

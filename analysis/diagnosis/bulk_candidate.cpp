@@ -238,10 +238,9 @@ YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkC
   for (const Override& change : set) set_path(tree, change.path, change.value);
   if (candidate.kind == BulkCandidate::Kind::recording) return tree;
   if (candidate.kind == BulkCandidate::Kind::numerics) {
-    if (candidate.backend.empty()) {
-      set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
-      set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
-    }
+    const std::string& solved = candidate.hypothesis.terms.front().row->name;
+    if (solved == "time_step") set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
+    if (solved == "solver_tolerance") set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
     for (const Override& constant : candidate.calibrated) set_path(tree, constant.path, constant.value);
     return tree;
   }

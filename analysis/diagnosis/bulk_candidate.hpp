@@ -19,12 +19,12 @@ struct BulkCandidate {
   enum class Kind {
     simulated,  ///< asks for simulations of its own; beside physics it may hold an error of the recording, made on what they give
     recording,  ///< errors of the recording alone, made on what the nominal scene gave
-    numerics,   ///< the nominal scene solved otherwise
+    numerics,   ///< the nominal scene solved otherwise: at a quarter of the step, to a tenth of the tolerance, or by another engine, as the term says
   } kind = Kind::simulated;
   Hypothesis hypothesis;               ///< none: the nominal scene
   std::vector<Parameter> parameters;   ///< axes of the cube: calibrated constants, those of the terms in the scene, those of the recording
   std::vector<Override> calibrated;    ///< numerics: the constants as the nominal scene was fitted
-  std::string backend;                 ///< numerics: the engine that solves it; empty: the own one, at a quarter of the step and a tenth of the tolerance
+  std::string backend;                 ///< numerics: the engine that solves it; empty: the own one
 };
 
 double value_at(const Parameter& parameter, double u);

@@ -386,6 +386,24 @@ TEST(BulkDiagnosisTest, AnotherEngineIsNoPhysics) {
   for (const std::string& note : lacking.notes) EXPECT_EQ(note.find("failed"), std::string::npos) << note;
 }
 
+// Recorded with a finer step, or with a tighter tolerance: each is called by its own name, and alone in the extended scene.
+TEST(BulkDiagnosisTest, StepAndToleranceAreToldApart) {
+  const StandIn world{.by_step = 0.2, .by_tolerance = 0.3};
+  const auto diagnosed = [&](const std::vector<Override>& finer) {
+    return diagnose_bulk(recorded_heaps(12, 500, finer, world), stand_in(world), with({"rolling_friction", "restitution"}));
+  };
+  const BulkDiagnosis step = diagnosed({{"solver.time_step", "2.5e-5"}}), tolerance = diagnosed({{"solver.tolerance", "1.0e-4"}});
+  const auto solver = [](const BulkDiagnosis& d, const char* key) { return number_at(parse_yaml(d.extended_scene, "extended"), key, 0); };
+  EXPECT_EQ(step.verdict.word, "numerics");
+  EXPECT_EQ(tolerance.verdict.word, "numerics");
+  EXPECT_EQ(step.models[step.best].model.candidate.hypothesis.label(), "time_step");
+  EXPECT_EQ(tolerance.models[tolerance.best].model.candidate.hypothesis.label(), "solver_tolerance");
+  EXPECT_NEAR(solver(step, "solver.time_step"), 2.5e-5, 1e-15);
+  EXPECT_NEAR(solver(step, "solver.tolerance"), 1e-3, 1e-15);
+  EXPECT_NEAR(solver(tolerance, "solver.time_step"), 1e-4, 1e-15);
+  EXPECT_NEAR(solver(tolerance, "solver.tolerance"), 1e-4, 1e-15);
+}
+
 TEST(BulkDiagnosisTest, AConstantThatNobodyMeasuredIsCalibrated) {
   Bundle bundle = recorded_heaps(12, 500, {{"pairs.grain-grain.friction", "0.8"}});
   bundle.calibrate = {"pairs.grain-grain.friction"};

@@ -53,6 +53,7 @@ struct StandIn {
   double length_factor = 1;      ///< of the recorded profile
   double late = 0;               ///< [s] of the recorded flow
   double protractor = 0;         ///< [deg] by which the angle is read too large
+  double by_step = 0, by_tolerance = 0;  ///< [share] by which it flows faster where step or tolerance is a tenth of the scene's
 };
 
 /// Angle, profile and discharge of one pour.
@@ -85,6 +86,7 @@ inline std::vector<Observation> stand_in_pour(const YamlNode& scene, std::uint64
   flow.unit = "kg";
   double rate = 1e-5 * (1 - 0.3 * rho - 0.1 * std::log1p(weight) + 0.02 * normal(random)) * (1 + how.hidden_flow);
   rate *= 1 - 0.4 * elongation;
+  rate *= 1 + how.by_step * std::log10(1e-4 / number_at(scene, "solver.time_step", 1e-4)) + how.by_tolerance * std::log10(1e-3 / number_at(scene, "solver.tolerance", 1e-3));
   const double begins = 0.012 + how.late + 2e-4 * normal(random);
   for (int i = 0; i <= 200; ++i) {
     flow.time.push_back(5e-4 * i);
