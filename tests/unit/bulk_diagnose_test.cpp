@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "analysis/diagnosis/bulk_data.hpp"
 #include "analysis/diagnosis/bulk_profile.hpp"
@@ -442,6 +443,20 @@ TEST(BulkDiagnosisTest, WhatCannotBeTriedIsToldBeforeAnythingIsSimulated) {
   EXPECT_THROW(diagnose_bulk(recorded_heaps(12, 500, rolling), counted, with({"frame_tilt"})), Error);
   EXPECT_EQ(simulated, 0);
   EXPECT_EQ(diagnose_bulk(recorded_heaps(12, 500, rolling), counted, with({"rolling_friction", "time_step"})).verdict.word, "missing");
+}
+
+TEST(BulkDiagnosisTest, NoSeedSimulatesThePackingsOfARecording) {
+  std::set<std::uint64_t> seen;
+  for (const std::uint64_t seed : {0, 1, 2}) {
+    const SimulateBulk simulate = [&, plain = stand_in()](const std::string& stage, const std::vector<BulkRequest>& requests) {
+      for (const BulkRequest& r : requests) {
+        EXPECT_GT(r.seed, 100'000u) << seed;
+        EXPECT_TRUE(seen.insert(r.seed).second) << "of two seeds";
+      }
+      return plain(stage, requests);
+    };
+    diagnose_bulk(recorded_heaps(9, 1, {}), simulate, with({"rolling_friction"}, seed));
+  }
 }
 
 TEST(BulkDiagnosisTest, ASceneThatMakesNoHeapIsAnError) {
