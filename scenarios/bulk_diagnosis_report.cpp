@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "scenarios/bulk_diagnosis_json.hpp"
 
 namespace repose {
@@ -61,8 +62,13 @@ const Observation* named(const std::vector<Observation>& all, ObservableKind kin
 /// One curve of every kind of run: the first replicate stands for all.
 void add_curve(Chart& chart, const std::string& label, const Observation* o, bool points) {
   if (o == nullptr || o->value.empty()) return;
-  const bool series = o->kind == ObservableKind::series;
-  chart.series.push_back({label, series ? o->time : o->at, o->value, {}, points ? Series::Style::points : Series::Style::line, false});
+  Series curve{label, o->time, o->value, {}, points ? Series::Style::points : Series::Style::line, false};
+  if (o->kind == ObservableKind::profile) {
+    BulkProfile last = last_profile(*o);
+    curve.x = std::move(last.at);
+    curve.y = std::move(last.height);
+  }
+  chart.series.push_back(std::move(curve));
 }
 
 std::vector<Block> curves(const BulkDiagnosis& d, const Bundle& bundle) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "analysis/diagnosis/bulk_summary.hpp"
 #include "analysis/statistics.hpp"
 #include "analysis/two_samples.hpp"
@@ -22,12 +23,11 @@ const Observation* find(const std::vector<Observation>& all, const Observation& 
 }
 
 /// Mean of the finite values whose places lie in [from, to].
-double mean_within(const Observation& o, double from, double to) {
-  const std::vector<double>& at = o.kind == ObservableKind::series ? o.time : o.at;
+double mean_within(const std::vector<double>& at, const std::vector<double>& value, double from, double to) {
   double sum = 0, n = 0;
   for (std::size_t i = 0; i < at.size(); ++i)
-    if (at[i] >= from && at[i] <= to && std::isfinite(o.value[i])) {
-      sum += o.value[i];
+    if (at[i] >= from && at[i] <= to && std::isfinite(value[i])) {
+      sum += value[i];
       ++n;
     }
   return n > 0 ? sum / n : nan;
@@ -106,15 +106,19 @@ std::vector<BulkLocated> locate_bulk(const Runs& recorded, const Runs& simulated
       part.quantity = "roughness";
       compare([&](const Observation& x) { return value_of(sd, {x}); });
     }
-    if ((o.kind == ObservableKind::series && model->time.size() < 2) || (o.kind == ObservableKind::profile && o.at.empty())) continue;
-    if (o.kind != ObservableKind::series && o.kind != ObservableKind::profile) continue;
     const bool series = o.kind == ObservableKind::series;
-    const auto [from, to] = series ? moving_part(*model) : std::pair{0.0, *std::max_element(o.at.begin(), o.at.end())};
+    const BulkProfile profile = o.kind == ObservableKind::profile ? last_profile(o) : BulkProfile{};
+    if (series ? model->time.size() < 2 : profile.at.empty()) continue;
+    const auto [from, to] = series ? moving_part(*model) : std::pair{0.0, profile.at.back()};
     for (int i = 0; i < parts; ++i) {
       const double a = from + (to - from) * i / parts, b = from + (to - from) * (i + 1) / parts;
       (series ? part.t_start : part.radius_from) = a;
       (series ? part.t_end : part.radius_to) = b;
-      compare([a, b](const Observation& x) { return mean_within(x, a, b); });
+      compare([a, b, series](const Observation& x) {
+        if (series) return mean_within(x.time, x.value, a, b);
+        const BulkProfile p = last_profile(x);
+        return mean_within(p.at, p.height, a, b);
+      });
     }
   }
   std::vector<double> p;

@@ -19,7 +19,7 @@ struct BulkLocated {
   double p = 1;                       ///< of the test, corrected for all parts (Holm)
 };
 
-/// `recorded`, `simulated`: observations of replicates, sampled alike (bulk_sampling.hpp). Profiles are parted by radius, series by the time between 2 % and 98 % of the rise of
+/// `recorded`, `simulated`: observations of replicates, sampled alike (bulk_sampling.hpp). The last profile is parted by radius, both flanks together, series by the time between 2 % and 98 % of the rise of
 /// the simulated mean (the whole time if it does not rise); scalars stand whole, and so do surfaces, by mean height and roughness. Sorted by p. Tested by
 /// Welch's t; a single recorded run by Student's t of one value more of the simulated sample, (x - mean) / (sd sqrt(1 + 1/n)) with n - 1 degrees of
 /// freedom. Without a recorded run, or with fewer than two simulated ones, a part is left out.

@@ -111,5 +111,29 @@ TEST(BulkDiagnosisReport, HoldsTheSettingsOfTheUserAndWhatWasFound) {
   EXPECT_NE(settings->entries.back().first.find("paired p"), std::string::npos);
 }
 
+TEST(BulkDiagnosisReport, OfAProfileThatWasRecordedAgainAndAgainTheLastIsDrawn) {
+  Bundle bundle = recorded_heaps(9, 300, {});
+  for (BundleRun& run : bundle.runs)
+    for (Observation& o : run.observations) {
+      if (o.kind != ObservableKind::profile) continue;
+      const std::vector<double> at = o.at, heights = o.value;
+      o.time.assign(at.size(), 0.05);
+      o.value.assign(at.size(), 1e-4);
+      o.time.insert(o.time.end(), at.size(), 0.1);
+      o.at.insert(o.at.end(), at.begin(), at.end());
+      o.value.insert(o.value.end(), heights.begin(), heights.end());
+    }
+  const Sample sample = diagnosed(std::move(bundle), {"rolling_friction"});
+  const report::Chart* heap = nullptr;
+  const report::Report page = bulk_diagnosis_report(sample.found, sample.bundle, {});
+  for (const report::Section& section : page.sections)
+    for (const report::Block& block : section.blocks)
+      if (const auto* chart = std::get_if<report::Chart>(&block); chart != nullptr && chart->title == "heap") heap = chart;
+  ASSERT_NE(heap, nullptr);
+  ASSERT_EQ(heap->series.front().x.size(), 20u);
+  EXPECT_TRUE(std::is_sorted(heap->series.front().x.begin(), heap->series.front().x.end()));
+  EXPECT_GT(heap->series.front().y.front(), 1.5e-4);
+}
+
 }  // namespace
 }  // namespace repose
