@@ -109,14 +109,15 @@ json compared_json(const Bundle& bundle) {
 json summaries_json(const BulkDiagnosis& d) {
   json list = json::array();
   const BulkModel& nominal = d.models.front().model;
-  const Eigen::MatrixXd plain = rows_at_fit(nominal, nominal, d.data, 0), full = rows_at_fit(d.models[d.best].model, nominal, d.data, 0);
+  const std::size_t setting = d.data.first_fitted();
+  const Eigen::MatrixXd plain = rows_at_fit(nominal, nominal, d.data, setting), full = rows_at_fit(d.models[d.best].model, nominal, d.data, setting);
   for (std::size_t k = 0; k < d.data.summaries.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const auto mean = [&](const Eigen::MatrixXd& rows) { return rows.rows() > 0 ? number(complete_rows(rows.col(column)).mean()) : json(nullptr); };
     const BulkSummary& s = d.data.summaries[k];
     list.push_back({{"name", s.name},
                     {"unit", s.unit},
-                    {"recorded", mean(d.data.settings.front().train)},
+                    {"recorded", mean(d.data.settings[setting].train)},
                     {"nominal", mean(plain)},
                     {"extended", mean(full)},
                     {"sd_seed", std::sqrt(d.scatter(column, column))}});

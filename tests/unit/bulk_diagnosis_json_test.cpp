@@ -84,6 +84,27 @@ TEST(BulkDiagnosisJson, RecordingsSeparateEffectsByTheirNames) {
   EXPECT_EQ(bulk_diagnosis_json(sample.found, sample.bundle)["suggested_recordings"][0]["separates"], (json{"rolling_friction", "restitution"}));
 }
 
+// Of two settings the first may be held out altogether; what is told of one setting is then told of the other.
+TEST(BulkDiagnosisJson, WhatIsToldOfOneSettingIsOfOneThatWasFitted) {
+  const std::vector<Override> smoother{{"pairs.grain-grain.friction", "0.3"}};
+  Bundle bundle = recorded_heaps(4, 900, {{"pairs.grain-grain.friction", "0.3"}, rolling.front()});
+  for (BundleRun& run : bundle.runs) {
+    run.id += "-smooth";
+    run.set = smoother;
+    run.held_out = true;
+  }
+  for (BundleRun& run : recorded_heaps(8, 500, rolling).runs) bundle.runs.push_back(std::move(run));
+  bundle.split_given = true;
+  const Sample sample = diagnosed(std::move(bundle), {"rolling_friction", "restitution"});
+  const json result = bulk_diagnosis_json(sample.found, sample.bundle);
+  EXPECT_EQ(faults_of(result), std::vector<std::string>{});
+  const json& angle = result["summaries"][0];
+  EXPECT_EQ(angle["name"], "angle_of_repose");
+  ASSERT_TRUE(angle["recorded"].is_number());
+  EXPECT_NEAR(angle["nominal"].get<double>(), 20, 1);  // a friction of 0.5, and not of 0.3: 16
+  EXPECT_NEAR(angle["recorded"].get<double>(), angle["extended"].get<double>(), 1);
+}
+
 TEST(BulkDiagnosisJson, SeriesThatWereCutAreTold) {
   Bundle bundle = recorded_heaps(9, 300, {});
   for (Observation& o : bundle.runs[4].observations)
