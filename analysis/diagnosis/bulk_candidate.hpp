@@ -48,7 +48,7 @@ Eigen::Index scene_axes(const BulkCandidate& candidate);
 /// The axes are cut to where the scene can be built.
 ///
 /// Candidates in the order in which they are tried: laws of grains on grains and of the population, the air, walls, where the scene lacks them; values of
-/// the first kinds that it states and that may be wrong (two, if none are named); then errors of the recording. `wanted`: names of effects; empty: those of `bulk_effects` that fit, at most `most` simulated ones. Throws Error for
+/// the first kinds that it states and that may be wrong (two among grains and the friction of two walls, if none are named); then errors of the recording. `wanted`: names of effects; empty: those of `bulk_effects` that fit, at most `most` simulated ones. Throws Error for
 /// a name that the library lacks or that the scene cannot take.
 std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalScale& scale, const std::vector<std::string>& wanted, std::size_t most);
 

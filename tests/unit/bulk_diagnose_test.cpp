@@ -269,6 +269,16 @@ TEST(BulkDiagnosisTest, AValueThatTheSceneStatesMayBeWrong) {
   EXPECT_NEAR(d.models[d.best].estimates.front().value, 0.8, 0.08);
 }
 
+TEST(BulkDiagnosisTest, TheFrictionOfAWallThatTheSceneStatesMayBeWrong) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {{"pairs.grain-wall.friction", "0.8"}}), stand_in(), with({"wall_friction", "friction", "rolling_friction", "cohesion"}));
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "wall_friction (grain-wall)");
+  ASSERT_EQ(d.models[d.best].estimates.size(), 1u);
+  EXPECT_EQ(d.models[d.best].estimates.front().name, "pairs.grain-wall.friction");
+  EXPECT_NEAR(d.models[d.best].estimates.front().value, 0.8, 0.08);
+  EXPECT_NEAR(number_at(parse_yaml(d.extended_scene, "extended"), "pairs.grain-wall.friction", 0), d.models[d.best].estimates.front().value, 1e-12);
+}
+
 TEST(BulkDiagnosisTest, TwoEffectsAtOnceAreBothNamed) {
   const std::vector<Override> both{{"pairs.grain-grain.rolling_friction", "0.075"}, {"effects.grain_shape.aspect", "1.5"}};
   const BulkDiagnosis d = diagnose_bulk(recorded_heaps(18, 500, both), stand_in(), with({"rolling_friction", "grain_shape", "restitution"}));

@@ -220,6 +220,29 @@ TEST(CandidateTest, RefusesAnUnknownEffectAndOneThatTheSceneHas) {
   EXPECT_THROW(bulk_candidates(bundle, scale, {"friction"}, 8), Error);
 }
 
+TEST(CandidateTest, TheFrictionOfWallsIsTriedAsItIsStated) {
+  Bundle bundle;
+  bundle.scene = parse_scene(heap_scene, "scene");
+  bundle.runs.emplace_back();
+  const NaturalScale scale = natural_scale(realise(bundle.scene, 1));
+  const auto labels = [&](const std::vector<std::string>& wanted) {
+    std::vector<std::string> result;
+    for (const BulkCandidate& c : bulk_candidates(bundle, scale, wanted, 8))
+      if (c.hypothesis.names().front().ends_with("friction") && stated_in(c.hypothesis) > 0) result.push_back(c.hypothesis.label());
+    return result;
+  };
+  const std::vector<std::string> walls{"wall_friction (grain-plate)", "wall_friction (grain-wall)"};
+  EXPECT_EQ(labels({"wall_friction"}), walls);
+  EXPECT_EQ(labels({}), (std::vector<std::string>{"friction (grain-grain)", walls[0], walls[1]}));
+  bundle.calibrate = {"pairs.grain-wall.friction"};
+  EXPECT_EQ(labels({"wall_friction"}), (std::vector<std::string>{walls[0]}));
+  // A funnel of the grains' own material has no friction of its own.
+  std::string text = heap_scene;
+  text.replace(text.find("funnel: {material: wall"), 23, "funnel: {material: grain");
+  bundle.scene = parse_scene(text, "scene");
+  EXPECT_EQ(labels({"friction"}), (std::vector<std::string>{"friction (grain-grain)"}));
+}
+
 TEST(SummaryTest, OfAConeAndASteadyStream) {
   Observation profile;
   profile.kind = ObservableKind::profile;

@@ -60,7 +60,7 @@ struct StandIn {
 inline std::vector<Observation> stand_in_pour(const YamlNode& scene, std::uint64_t seed, const StandIn& how = {}) {
   const double mu = number_at(scene, "pairs.grain-grain.friction", 0), rho = number_at(scene, "pairs.grain-grain.rolling_friction", 0),
                aspect = number_at(scene, "effects.grain_shape.aspect", 1), e = number_at(scene, "pairs.grain-grain.restitution", 0),
-               weight = number_at(scene, "pairs.grain-grain.cohesion", 0) / 1e-9;
+               weight = number_at(scene, "pairs.grain-grain.cohesion", 0) / 1e-9, wall = number_at(scene, "pairs.grain-wall.friction", 0.3);
   Random random(seed, 3);
   const double elongation = std::log(aspect);
   const double steeper = 12 * (1 - std::exp(-rho / 0.08)) + 8 * elongation + 4 * std::log1p(weight);
@@ -85,7 +85,7 @@ inline std::vector<Observation> stand_in_pour(const YamlNode& scene, std::uint64
   flow.name = "discharged_mass";
   flow.unit = "kg";
   double rate = 1e-5 * (1 - 0.3 * rho - 0.1 * std::log1p(weight) + 0.02 * normal(random)) * (1 + how.hidden_flow);
-  rate *= 1 - 0.4 * elongation;
+  rate *= (1 - 0.4 * elongation) * (1 - 0.5 * (wall - 0.3));
   rate *= 1 + how.by_step * std::log10(1e-4 / number_at(scene, "solver.time_step", 1e-4)) + how.by_tolerance * std::log10(1e-3 / number_at(scene, "solver.tolerance", 1e-3));
   const double begins = 0.012 + how.late + 2e-4 * normal(random);
   for (int i = 0; i <= 200; ++i) {
