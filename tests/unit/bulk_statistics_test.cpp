@@ -3,6 +3,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "analysis/bundle/sensor.hpp"
@@ -271,6 +272,73 @@ TEST(SummaryTest, OfAConeAndASteadyStream) {
   EXPECT_NEAR(value("discharge_rate"), 2, 1e-9);
   EXPECT_NEAR(value("discharge_delay"), 0.25, 1e-9);
   EXPECT_NEAR(value("poured_mass"), 1, 1e-12);
+}
+
+Observation series_of(const char* name, const char* unit, const std::vector<double>& values) {
+  Observation o;
+  o.kind = ObservableKind::series;
+  o.name = name;
+  o.unit = unit;
+  o.value = values;
+  for (std::size_t i = 0; i < values.size(); ++i) o.time.push_back(0.1 * static_cast<double>(i));
+  return o;
+}
+
+/// The summaries of these observations by their names: values, units and phases.
+struct Told {
+  double value = std::nan("");
+  std::string unit, phase;
+};
+std::map<std::string, Told> told_of(const std::vector<Observation>& all) {
+  std::map<std::string, Told> result;
+  for (const BulkSummary& s : summaries_of(all)) result[s.name] = {value_of(s, all), s.unit, s.phase};
+  return result;
+}
+
+TEST(SummaryTest, OfTheLoadsOnARollerAndTheAngleInADrum) {
+  const auto told = told_of({series_of("roller_force_x", "N", {-1, -3, std::nan(""), -2}), series_of("roller_torque", "N m", {0.5, 0.5, 0.5}), series_of("surface_angle", "deg", {30, 34})});
+  ASSERT_EQ(told.size(), 6u);
+  EXPECT_NEAR(told.at("roller_force_x_mean").value, -2, 1e-12);  // a gap is no zero
+  EXPECT_NEAR(told.at("roller_force_x_sd").value, 1, 1e-12);
+  EXPECT_EQ(told.at("roller_force_x_mean").unit, "N");
+  EXPECT_EQ(told.at("roller_force_x_mean").phase, "spread");
+  EXPECT_NEAR(told.at("roller_torque_mean").value, 0.5, 1e-12);
+  EXPECT_NEAR(told.at("roller_torque_sd").value, 0, 1e-12);
+  EXPECT_EQ(told.at("roller_torque_mean").unit, "N m");
+  EXPECT_NEAR(told.at("surface_angle_mean").value, 32, 1e-12);
+  EXPECT_NEAR(told.at("surface_angle_sd").value, std::sqrt(8.0), 1e-12);
+  EXPECT_EQ(told.at("surface_angle_mean").phase, "flow");
+  const std::vector<Observation> single{series_of("roller_force_z", "N", {1, std::nan("")})};
+  EXPECT_TRUE(std::isnan(told_of(single).at("roller_force_z_mean").value));
+}
+
+TEST(SummaryTest, OfTheLoadOnABaseTheLastTenthCounts) {
+  std::vector<double> grams(40, 1.0);
+  grams[35] = 100;  // a grain that strikes the base
+  for (const std::size_t i : {36, 37, 38, 39}) grams[i] = 2.0 + 0.1 * static_cast<double>(i);
+  const auto told = told_of({series_of("mass_on_base", "g", grams)});
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NEAR(told.at("load_on_base").value, 5.75, 1e-12);
+  EXPECT_EQ(told.at("load_on_base").unit, "g");
+  EXPECT_NEAR(told_of({series_of("mass_on_base", "g", {1, 2, 3})}).at("load_on_base").value, 3, 1e-12);
+}
+
+TEST(SummaryTest, OfASurfaceHeightAndRoughness) {
+  Observation before, after;
+  before.kind = after.kind = ObservableKind::surface;
+  before.name = "layer_before";
+  after.name = "layer_after";
+  before.value = {0, 0, 0, 0};
+  after.value = {5e-5, 7e-5, std::nan(""), 9e-5};  // a place that was not seen is none of height 0
+  before.at = before.at_y = after.at = after.at_y = {0, 1, 2, 3};
+  const auto told = told_of({before, after});
+  ASSERT_EQ(told.size(), 4u);
+  EXPECT_EQ(told.at("layer_before_mean").value, 0);
+  EXPECT_EQ(told.at("layer_before_sd").value, 0);
+  EXPECT_NEAR(told.at("layer_after_mean").value, 7e-5, 1e-18);
+  EXPECT_NEAR(told.at("layer_after_sd").value, 2e-5, 1e-18);
+  EXPECT_EQ(told.at("layer_after_sd").unit, "m");
+  EXPECT_EQ(told.at("layer_after_sd").phase, "spread");
 }
 
 TEST(SummaryTest, ThreeAreChosenOnePerObservableFirst) {
