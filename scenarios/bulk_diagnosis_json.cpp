@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 
+#include "analysis/diagnosis/bulk_data.hpp"
 #include "analysis/diagnosis/bulk_statistics.hpp"
 #include "analysis/report/report.hpp"
 #include "scenarios/diagnosis_values.hpp"
@@ -37,26 +39,32 @@ json missing_json(const BulkDiagnosis& d) {
   json list = json::array();
   if (d.verdict.word == "none" || d.verdict.word == "unknown") return list;
   const BulkFitted& best = d.models[d.best];
-  double probability = 0;
-  for (const Ranked& r : d.verdict.ranked)
-    if (r.model >= 0 && static_cast<std::size_t>(r.model) == d.best) probability = r.probability;
   for (const Term& term : best.model.candidate.hypothesis.terms) {
     const std::string& effect = term.row->name;
     json parameters = json::object();
     for (const BulkEstimate& e : best.estimates)
       if (e.effect == effect && e.name.find(term.place) != std::string::npos) parameters[e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}, {"unit", e.unit}};
-    list.push_back({{"effect", effect}, {"probability", probability}, {"parameters", parameters}});
+    list.push_back({{"effect", effect}, {"probability", probability_of(d.verdict, effect)}, {"parameters", parameters}});
   }
   return list;
 }
 
-json where_json(const BulkDiagnosis& d) {
+/// Of the nominal scene, that the runs of the first fitted setting were compared with.
+std::size_t packings_of(const BulkDiagnosis& d) {
+  const BulkModel& nominal = d.models.front().model;
+  return outcomes_at_fit(nominal, nominal, d.data, d.data.first_fitted()).size();
+}
+
+json where_json(const BulkDiagnosis& d, const Bundle& bundle) {
   json list = json::array();
+  std::vector<std::string> grains;
+  for (const GrainPopulation& population : bundle.scene.grains) grains.push_back(population.name);
+  const std::vector<std::size_t>& runs = d.data.settings[d.data.first_fitted()].train_runs;
   for (const BulkLocated& l : d.where)
     list.push_back({{"observable", l.observable},
-                    {"body", nullptr},
+                    {"body", fmt::format("{}", fmt::join(grains, ", "))},
                     {"phase", l.phase},
-                    {"run", nullptr},
+                    {"run", bundle.runs[runs[l.run]].id},
                     {"t_start", number(l.t_start)},
                     {"t_end", number(l.t_end)},
                     {"region", l.radius_from ? json{{"radius_from", *l.radius_from}, {"radius_to", *l.radius_to}} : json(nullptr)},
@@ -67,17 +75,49 @@ json where_json(const BulkDiagnosis& d) {
   return list;
 }
 
+/// Effects, as in a diagnosis of few bodies: what each has that the other lacks. One effect in two places is told apart by its place.
+json separates_json(const BulkDiagnosis& d, const SuggestedRecording& s) {
+  const auto names_of = [&](const std::string& label) {
+    const auto found = std::find_if(d.models.begin(), d.models.end(), [&](const BulkFitted& m) { return m.model.candidate.hypothesis.label() == label; });
+    return found == d.models.end() ? std::vector<std::string>{} : found->model.candidate.hypothesis.names();
+  };
+  const std::vector<std::string> first = names_of(s.first), second = names_of(s.second);
+  const std::vector<std::string> only_first = only_in(first, second), only_second = only_in(second, first);
+  if (only_first == only_second) return {s.first, s.second};
+  const auto written = [](const std::vector<std::string>& names) { return names.empty() ? std::string("none") : fmt::format("{}", fmt::join(names, " + ")); };
+  return {written(only_first), written(only_second)};
+}
+
+/// The last time of a run's series; none: it has none.
+std::optional<double> end_of(const BundleRun& run) {
+  std::optional<double> end;
+  for (const Observation& o : run.observations)
+    if (o.kind == ObservableKind::series && !o.time.empty()) end = std::max(end.value_or(o.time.back()), o.time.back());
+  return end;
+}
+
+/// How much of each run with series was compared.
+json compared_json(const Bundle& bundle) {
+  std::vector<std::string> told_already;
+  const Bundle cut = of_equal_length(bundle, told_already);
+  json list = json::array();
+  for (std::size_t i = 0; i < bundle.runs.size(); ++i)
+    if (const std::optional<double> until = end_of(cut.runs[i])) list.push_back({{"run", bundle.runs[i].id}, {"until", *until}, {"recorded_until", *end_of(bundle.runs[i])}});
+  return list;
+}
+
 json summaries_json(const BulkDiagnosis& d) {
   json list = json::array();
   const BulkModel& nominal = d.models.front().model;
-  const Eigen::MatrixXd plain = rows_at_fit(nominal, nominal, d.data, 0), full = rows_at_fit(d.models[d.best].model, nominal, d.data, 0);
+  const std::size_t setting = d.data.first_fitted();
+  const Eigen::MatrixXd plain = rows_at_fit(nominal, nominal, d.data, setting), full = rows_at_fit(d.models[d.best].model, nominal, d.data, setting);
   for (std::size_t k = 0; k < d.data.summaries.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
     const auto mean = [&](const Eigen::MatrixXd& rows) { return rows.rows() > 0 ? number(complete_rows(rows.col(column)).mean()) : json(nullptr); };
     const BulkSummary& s = d.data.summaries[k];
     list.push_back({{"name", s.name},
                     {"unit", s.unit},
-                    {"recorded", mean(d.data.settings.front().train)},
+                    {"recorded", mean(d.data.settings[setting].train)},
                     {"nominal", mean(plain)},
                     {"extended", mean(full)},
                     {"sd_seed", std::sqrt(d.scatter(column, column))}});
@@ -139,15 +179,16 @@ json bulk_diagnosis_json(const BulkDiagnosis& d, const Bundle& bundle) {
   result["indistinguishable"] = d.verdict.indistinguishable;
   result["suggested_recordings"] = json::array();
   for (const SuggestedRecording& s : d.suggested)
-    result["suggested_recordings"].push_back({{"what", s.what}, {"separates", {s.first, s.second}}, {"power", s.power}});
-  result["where"] = where_json(d);
+    result["suggested_recordings"].push_back({{"what", s.what}, {"separates", separates_json(d, s)}, {"power", s.power}});
+  result["where"] = where_json(d, bundle);
   result["depends_on"] = json::array();
   json calibrated = json::object();
   for (const BulkEstimate& e : nominal.estimates) calibrated[e.name] = {{"value", e.value}, {"lower", e.lower}, {"upper", e.upper}};
-  result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", nullptr}};
+  result["nominal"] = {{"calibrated", calibrated}, {"lack_of_fit_p", d.lack_of_fit_p}, {"replicas", packings_of(d)}, {"null", "packings"}};
   result["fit"]["train"] = {{"runs", runs_json(nominal.train, bundle)}, {"nominal", score_json(nominal.train)}, {"extended", score_json(best.train)}};
   result["fit"]["heldout"] = {{"runs", runs_json(nominal.held_out, bundle)}, {"nominal", score_json(nominal.held_out)}, {"extended", score_json(best.held_out)},
                               {"paired_p", d.paired_p}, {"effect_size", d.effect_size}};
+  result["compared"] = compared_json(bundle);
   result["extended_scene"] = "extended.yaml";
   if (!best.model.candidate.backend.empty()) result["extended_backend"] = best.model.candidate.backend;
   result["summaries"] = summaries_json(d);

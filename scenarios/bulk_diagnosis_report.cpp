@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "scenarios/bulk_diagnosis_json.hpp"
 
 namespace repose {
@@ -61,15 +62,20 @@ const Observation* named(const std::vector<Observation>& all, ObservableKind kin
 /// One curve of every kind of run: the first replicate stands for all.
 void add_curve(Chart& chart, const std::string& label, const Observation* o, bool points) {
   if (o == nullptr || o->value.empty()) return;
-  const bool series = o->kind == ObservableKind::series;
-  chart.series.push_back({label, series ? o->time : o->at, o->value, {}, points ? Series::Style::points : Series::Style::line, false});
+  Series curve{label, o->time, o->value, {}, points ? Series::Style::points : Series::Style::line, false};
+  if (o->kind == ObservableKind::profile) {
+    BulkProfile last = last_profile(*o);
+    curve.x = std::move(last.at);
+    curve.y = std::move(last.height);
+  }
+  chart.series.push_back(std::move(curve));
 }
 
 std::vector<Block> curves(const BulkDiagnosis& d, const Bundle& bundle) {
   std::vector<Block> charts;
   const BulkModel& nominal = d.models.front().model;
   const std::size_t setting = d.data.first_fitted();
-  const std::vector<BulkOutcome> plain = outcomes_at_fit(nominal, nominal, setting), full = outcomes_at_fit(d.models[d.best].model, nominal, setting);
+  const std::vector<BulkOutcome> plain = outcomes_at_fit(nominal, nominal, d.data, setting), full = outcomes_at_fit(d.models[d.best].model, nominal, d.data, setting);
   for (const Observation& o : bundle.runs[d.data.settings[setting].train_runs.front()].observations) {
     if (o.kind != ObservableKind::profile && o.kind != ObservableKind::series) continue;
     Chart chart;
@@ -86,7 +92,7 @@ std::vector<Block> curves(const BulkDiagnosis& d, const Bundle& bundle) {
 
 }  // namespace
 
-Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle) {
+Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle, const std::vector<std::pair<std::string, std::string>>& settings) {
   const json found = bulk_diagnosis_json(d, bundle);
   Report r;
   r.title = "Diagnosis: " + bundle.title;
@@ -105,13 +111,14 @@ Report bulk_diagnosis_report(const BulkDiagnosis& d, const Bundle& bundle) {
   r.sections.push_back({"Before and after", {summaries(found)}});
   if (!d.where.empty()) r.sections.push_back({"Where", {places(d)}});
   if (std::vector<Block> charts = curves(d, bundle); !charts.empty()) r.sections.push_back({"Curves", std::move(charts)});
-  Settings settings{"Settings",
-                    {{"lack of fit of the nominal scene, p", fmt::format("{:.2g}", d.lack_of_fit_p)},
-                     {"of the best model", fmt::format("{:.2g}", d.remaining_p)},
-                     {"share of the mismatch explained", fmt::format("{:.2f}", d.explained)},
-                     {"degrees of freedom of the scatter between seeds", std::to_string(d.scatter_dof)},
-                     {"held-out runs, paired p", fmt::format("{:.2g}", d.paired_p)}}};
-  r.sections.push_back({"How it was found", {std::move(settings), Warnings{d.notes}, Listing{"extended.yaml", d.extended_scene}}});
+  Settings all{"Settings", settings};
+  const std::vector<std::pair<std::string, std::string>> found_so{{"lack of fit of the nominal scene, p", fmt::format("{:.2g}", d.lack_of_fit_p)},
+                                                                  {"of the best model", fmt::format("{:.2g}", d.remaining_p)},
+                                                                  {"share of the mismatch explained", fmt::format("{:.2f}", d.explained)},
+                                                                  {"degrees of freedom of the scatter between seeds", std::to_string(d.scatter_dof)},
+                                                                  {"held-out runs, paired p", fmt::format("{:.2g}", d.paired_p)}};
+  all.entries.insert(all.entries.end(), found_so.begin(), found_so.end());
+  r.sections.push_back({"How it was found", {std::move(all), Warnings{d.notes}, Listing{"extended.yaml", d.extended_scene}}});
   return r;
 }
 

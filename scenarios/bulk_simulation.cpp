@@ -33,6 +33,51 @@ bool can_be_simulated(const Scene& scene, const Observation& o) {
          (o.kind == ObservableKind::series && simulated_series().contains(o.name));
 }
 
+/// Along one axis of a surface's grid.
+struct Extent {
+  double from = 0, to = 0, cell = 0;  ///< cell 0: a single row
+};
+
+Extent extent_of(std::vector<double> at) {
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end()), at.end());
+  if (at.empty()) return {};
+  return {at.front(), at.back(), at.size() > 1 ? (at.back() - at.front()) / static_cast<double>(at.size() - 1) : 0};
+}
+
+/// Mean and scatter of heights are those of a region and of a cell: finer cells see into the gaps between grains. Simulations measure as `layer` says.
+std::string doubt_of(const Observation& o, const LayerSetup& layer) {
+  constexpr double alike = 0.05;
+  const Extent x = extent_of(o.at), y = extent_of(o.at_y);
+  const double lower[] = {layer.lower.x(), layer.lower.y()}, upper[] = {layer.upper.x(), layer.upper.y()};
+  bool same_cell = true, same_region = true;
+  for (const int k : {0, 1}) {
+    const Extent& e = k == 0 ? x : y;
+    const double size = std::max(layer.cell, e.cell);
+    same_cell = same_cell && (e.cell == 0 || std::abs(e.cell - layer.cell) <= alike * layer.cell);
+    same_region = same_region && std::abs(e.from - lower[k]) <= size && std::abs(e.to - upper[k]) <= size;
+  }
+  if (same_cell && same_region) return {};
+  return fmt::format("`{}` was recorded over x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m in cells of {:.3g} m, and simulations measure x {:.4g} to {:.4g} m, y {:.4g} to {:.4g} m in cells of {:.3g} m: "
+                     "roughness and mean height depend on both. Set `layer.region` and `layer.surface.cell` as recorded.",
+                     o.name, x.from, x.to, y.from, y.to, std::max(x.cell, y.cell), lower[0], upper[0], lower[1], upper[1], layer.cell);
+}
+
+/// Once for each name. Runs that measure otherwise by their own settings are let pass.
+void doubt_surfaces(Bundle& bundle) {
+  std::set<std::string> told;
+  for (const BundleRun& run : bundle.runs) {
+    if (std::any_of(run.set.begin(), run.set.end(), [](const Override& change) { return change.path.starts_with("layer"); })) continue;
+    for (const Observation& o : run.observations) {
+      if (o.kind != ObservableKind::surface || told.contains(o.name)) continue;
+      const std::string doubt = doubt_of(o, *bundle.scene.layer);
+      if (doubt.empty()) continue;
+      told.insert(o.name);
+      bundle.warnings.push_back(doubt);
+    }
+  }
+}
+
 constexpr std::size_t most_places = 5000;  // of a surface that is kept: its mean and its scatter need no more
 
 /// Everything that such a run can show.
@@ -151,6 +196,7 @@ Bundle only_simulated(Bundle bundle) {
     bundle.warnings.push_back(fmt::format("`{}` is left out: no simulation of many grains shows it yet", name));
   if (std::any_of(bundle.runs.begin(), bundle.runs.end(), [](const BundleRun& run) { return run.observations.empty(); }))
     throw Error("runs", "a run has nothing that a simulation of many grains shows", "those that are: angle_of_repose, heap, discharged_mass, mass_on_base, surface_angle, roller_force_*; layer_before and layer_after of a scene with a `layer` block");
+  if (bundle.scene.layer) doubt_surfaces(bundle);
   return bundle;
 }
 

@@ -17,7 +17,7 @@ struct BulkSimulation {
 };
 
 /// Takes out of the bundle what a simulation cannot show beside it (unknown names, surfaces of scenes without a `layer` block, the angle in a drum that does not turn), with a warning
-/// for each.
+/// for each. Surfaces that were recorded over another region or in other cells than the scene's `layer` block says stay, with a warning.
 Bundle only_simulated(Bundle bundle);
 
 /// Shows angle_of_repose (if the heap has one), heap and discharged_mass of every scene with a base and a funnel; both surfaces and the loads on the

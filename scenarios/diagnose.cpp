@@ -37,14 +37,14 @@ struct Own {
   bool one_engine = false;
 };
 
-/// As the report shows them.
-std::vector<std::pair<std::string, std::string>> settings_of(const Options& options, const Own& own) {
-  std::vector<std::pair<std::string, std::string>> list = {{"bundle", options.file.string()},
-                                                           {"backend", options.backend},
-                                                           {"seed", std::to_string(options.seed)},
-                                                           {"runs fitted, at most", std::to_string(own.runs)},
-                                                           {"held-out runs, at most", std::to_string(own.held_out)},
-                                                           {"version", fmt::format("{} ({})", version(), commit())}};
+/// As the report shows them. Of many grains every run counts.
+std::vector<std::pair<std::string, std::string>> settings_of(const Options& options, const Own& own, bool bulk) {
+  std::vector<std::pair<std::string, std::string>> list = {{"bundle", options.file.string()}, {"backend", options.backend}, {"seed", std::to_string(options.seed)}};
+  if (!bulk) {
+    list.emplace_back("runs fitted, at most", std::to_string(own.runs));
+    list.emplace_back("held-out runs, at most", std::to_string(own.held_out));
+  }
+  list.emplace_back("version", fmt::format("{} ({})", version(), commit()));
   if (!own.candidates.empty()) list.emplace_back("candidates", fmt::format("{}", fmt::join(own.candidates, ", ")));
   if (own.one_engine) list.emplace_back("other engines", "not asked");
   for (const Override& o : options.overrides) list.emplace_back("--set " + o.path, o.value);
@@ -133,7 +133,7 @@ int run_bulk(const Options& options, const Own& own, const Bundle& bundle, Progr
     display.message("interrupted before the nominal scene was simulated; the same command goes on from here");
     return exit_status::interrupted;
   }
-  return finish(options, own, bulk_diagnosis_json(found, bundle), found.extended_scene, bulk_diagnosis_report(found, bundle), !found.interrupted, seconds_since(begun),
+  return finish(options, own, bulk_diagnosis_json(found, bundle), found.extended_scene, bulk_diagnosis_report(found, bundle, settings_of(options, own, true)), !found.interrupted, seconds_since(begun),
                 found.simulations, display);
 }
 
@@ -167,7 +167,7 @@ int run(const Options& options, const Own& own) {
   // Simulations are kept for the next diagnosis by the same build; a build with uncommitted changes has no name.
   const std::string build = commit();
   const bool named = build != "unknown" && !build.ends_with("-dirty");
-  diagnosis::SimulationStore store(named ? options.out / "simulations.cache" : "", fmt::format("{} {} {}", options.backend, version(), build));
+  diagnosis::SimulationStore store(named ? options.out / "simulations.cache" : "", fmt::format("{} {} {}{}", options.backend, version(), build, options.allow_unsupported ? " without what it lacks" : ""));
   how.store = &store;
   how.interrupted = interrupted;
   const auto begun = std::chrono::steady_clock::now();
@@ -196,7 +196,7 @@ int run(const Options& options, const Own& own) {
     return exit_status::interrupted;
   }
   const diagnosis::Diagnosis& found = *found_before_the_end;
-  return finish(options, own, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own)), !found.interrupted, seconds_since(begun),
+  return finish(options, own, diagnosis_json(found), found.extended_scene, diagnosis_report(found, bundle, settings_of(options, own, false)), !found.interrupted, seconds_since(begun),
                 simulations, display);
 }
 

@@ -100,12 +100,14 @@ std::vector<ParameterEstimate> parameters_of(const FittedHypothesis& model, cons
   return list;
 }
 
-double probability_of(const Diagnosis& d, const std::string& effect) {
+double probability_of(const Verdict& verdict, const std::string& effect) {
   double sum = 0;
-  for (const Ranked& r : d.verdict.ranked)
+  for (const Ranked& r : verdict.ranked)
     if (std::find(r.effects.begin(), r.effects.end(), effect) != r.effects.end()) sum += r.probability;
   return std::min(1.0, sum);
 }
+
+double probability_of(const Diagnosis& d, const std::string& effect) { return probability_of(d.verdict, effect); }
 
 std::string unit_of(const std::string& observable) {
   static const std::map<std::string, std::string> units = {

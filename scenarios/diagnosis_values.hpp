@@ -42,6 +42,7 @@ double error_in_sigma(const diagnosis::Score& score);
 std::vector<diagnosis::ParameterEstimate> parameters_of(const diagnosis::FittedHypothesis& model, const std::string& effect);
 
 /// Probability that the effect is missing, alone or with another.
+double probability_of(const diagnosis::Verdict& verdict, const std::string& effect);
 double probability_of(const diagnosis::Diagnosis& d, const std::string& effect);
 
 /// " m" for "position": with a space in front; empty where there is none.

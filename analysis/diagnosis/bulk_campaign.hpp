@@ -23,7 +23,7 @@ class BulkCampaign {
   void screen();
   /// More points where the posteriors of the best few lie, then their fitted values simulated directly.
   void refine();
-  /// The nominal scene with a quarter of the step and a tenth of the tolerance, and in other engines.
+  /// The nominal scene with a quarter of the step, with a tenth of the tolerance, and in other engines.
   void numerics();
   /// Where the best leaves more than noise: two effects at once, of which their sum is foreseen to gain most.
   void pairs();

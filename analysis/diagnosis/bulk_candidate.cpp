@@ -19,7 +19,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr std::size_t most_stated = 2;  // values of the scene that may be wrong, beside what it lacks
+constexpr std::size_t most_stated = 2;  // values of the scene that may be wrong, beside what it lacks: among grains, and as many at walls
 
 /// Heaps flow and stand only in a part of the library's bounds: an attraction of a thousand weights, or honey for air, clogs any outlet.
 /// In natural units.
@@ -125,6 +125,17 @@ bool among_grains(const Term& term, const Scene& scene) {
   return false;
 }
 
+/// What the scene states and may have wrong. A wall's friction is an effect of its own, which has the same key as that among grains; where a wall
+/// is made of what the grains are, theirs and its cannot be set apart, and it is called theirs.
+std::vector<Term> stated_of_grains(const Bundle& bundle, const NaturalScale& scale) {
+  std::vector<Term> terms = stated_terms(bundle, scale);
+  const EffectRow* of_walls = find_effect("wall_friction");
+  const std::vector<std::string> walls = places_of(*of_walls, bundle.scene);
+  for (Term& term : terms)
+    if (term.row->name == "friction" && !among_grains(term, bundle.scene) && std::find(walls.begin(), walls.end(), term.place) != walls.end()) term.row = of_walls;
+  return terms;
+}
+
 }  // namespace
 
 const std::vector<std::string>& bulk_effects() {
@@ -174,12 +185,12 @@ std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalSc
   std::vector<BulkCandidate> result;
   std::vector<std::string> taken;
   std::vector<Term> terms = possible_terms(bundle, scale);
-  for (Term& term : stated_terms(bundle, scale)) terms.push_back(std::move(term));
-  std::size_t missing = 0, stated = 0;
+  for (Term& term : stated_of_grains(bundle, scale)) terms.push_back(std::move(term));
+  std::size_t missing = 0, stated = 0, stated_of_walls = 0;
   for (const std::string& name : wanted.empty() ? bulk_effects() : wanted)
     for (const Term& term : terms) {
       if (term.row->name != name || term.row->site == EffectSite::measurement || !among_grains(term, bundle.scene)) continue;
-      if (std::size_t& count = term.stated.empty() ? missing : stated; wanted.empty() && count++ >= (term.stated.empty() ? most : most_stated)) continue;
+      if (std::size_t& count = term.stated.empty() ? missing : name == "wall_friction" ? stated_of_walls : stated; wanted.empty() && count++ >= (term.stated.empty() ? most : most_stated)) continue;
       result.push_back(within_the_possible(candidate_of(term, nominal, scale), bundle, scale));
       taken.push_back(name);
     }
@@ -238,10 +249,9 @@ YamlNode bulk_scene(const Bundle& bundle, const NaturalScale& scale, const BulkC
   for (const Override& change : set) set_path(tree, change.path, change.value);
   if (candidate.kind == BulkCandidate::Kind::recording) return tree;
   if (candidate.kind == BulkCandidate::Kind::numerics) {
-    if (candidate.backend.empty()) {
-      set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
-      set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
-    }
+    const std::string& solved = candidate.hypothesis.terms.front().row->name;
+    if (solved == "time_step") set_path(tree, "solver.time_step", fmt::format("{}", 0.25 * bundle.scene.solver.time_step));
+    if (solved == "solver_tolerance") set_path(tree, "solver.tolerance", fmt::format("{}", 0.1 * bundle.scene.solver.tolerance));
     for (const Override& constant : candidate.calibrated) set_path(tree, constant.path, constant.value);
     return tree;
   }

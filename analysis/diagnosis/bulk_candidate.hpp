@@ -19,12 +19,12 @@ struct BulkCandidate {
   enum class Kind {
     simulated,  ///< asks for simulations of its own; beside physics it may hold an error of the recording, made on what they give
     recording,  ///< errors of the recording alone, made on what the nominal scene gave
-    numerics,   ///< the nominal scene solved otherwise
+    numerics,   ///< the nominal scene solved otherwise: at a quarter of the step, to a tenth of the tolerance, or by another engine, as the term says
   } kind = Kind::simulated;
   Hypothesis hypothesis;               ///< none: the nominal scene
   std::vector<Parameter> parameters;   ///< axes of the cube: calibrated constants, those of the terms in the scene, those of the recording
   std::vector<Override> calibrated;    ///< numerics: the constants as the nominal scene was fitted
-  std::string backend;                 ///< numerics: the engine that solves it; empty: the own one, at a quarter of the step and a tenth of the tolerance
+  std::string backend;                 ///< numerics: the engine that solves it; empty: the own one
 };
 
 double value_at(const Parameter& parameter, double u);
@@ -48,7 +48,7 @@ Eigen::Index scene_axes(const BulkCandidate& candidate);
 /// The axes are cut to where the scene can be built.
 ///
 /// Candidates in the order in which they are tried: laws of grains on grains and of the population, the air, walls, where the scene lacks them; values of
-/// the first kinds that it states and that may be wrong (two, if none are named); then errors of the recording. `wanted`: names of effects; empty: those of `bulk_effects` that fit, at most `most` simulated ones. Throws Error for
+/// the first kinds that it states and that may be wrong (two among grains and the friction of two walls, if none are named); then errors of the recording. `wanted`: names of effects; empty: those of `bulk_effects` that fit, at most `most` simulated ones. Throws Error for
 /// a name that the library lacks or that the scene cannot take.
 std::vector<BulkCandidate> bulk_candidates(const Bundle& bundle, const NaturalScale& scale, const std::vector<std::string>& wanted, std::size_t most);
 

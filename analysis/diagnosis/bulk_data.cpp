@@ -6,8 +6,13 @@
 #include <cmath>
 #include <map>
 
+#include "analysis/diagnosis/bulk_profile.hpp"
+#include "analysis/heap_profile.hpp"
 #include "core/error.hpp"
 #include "core/random.hpp"
+#include "core/scene_yaml.hpp"
+#include "core/yaml_reader.hpp"
+#include "core/yaml_tree.hpp"
 
 namespace repose::diagnosis {
 namespace {
@@ -17,6 +22,7 @@ using Eigen::Index;
 constexpr std::size_t enough_replicates = 3;
 constexpr std::size_t least_to_split = 3;
 constexpr double longer = 1.05;  // than the shortest: worth a note
+constexpr double covers = 0.8;   // of the plate's radius: a profile of few rings has its last place before the edge
 
 bool same_settings(const std::vector<Override>& a, const std::vector<Override>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Override& x, const Override& y) { return x.path == y.path && x.value == y.value; });
@@ -109,6 +115,7 @@ BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::st
       for (const std::size_t i : group) (bundle.runs[i].held_out ? setting.held_runs : setting.train_runs).push_back(i);
     else
       split(group, random, setting.train_runs, setting.held_runs);
+    setting.like = bundle.runs[(setting.train_runs.empty() ? setting.held_runs : setting.train_runs).front()].observations;
     for (const std::size_t i : setting.held_runs) held_ids.push_back(bundle.runs[i].id);
     setting.train = rows_of_runs(bundle, setting.train_runs, data.summaries);
     setting.held = rows_of_runs(bundle, setting.held_runs, data.summaries);
@@ -129,13 +136,65 @@ BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::st
   return data;
 }
 
+namespace {
+
+struct Shortest {
+  double end = INFINITY;
+  std::string run;
+  std::vector<std::string> cut;  // runs that go on for longer
+};
+
+bool is_heap_profile(const Observation& o) { return o.kind == ObservableKind::profile && o.name == "heap"; }
+
+/// Radius of the plate that the heaps of a setting stand on [m]; infinite where there is none.
+double plate_of(const Bundle& bundle, const std::vector<Override>& set) {
+  YamlNode tree = parse_yaml(bundle.scene.text, "scene");
+  for (const Override& change : set) set_path(tree, change.path, change.value);
+  const auto site = heap_site(set.empty() ? bundle.scene : read_scene(tree, bundle.scene_file.string(), bundle.scene_file.parent_path()));
+  return site ? site->radius : INFINITY;
+}
+
+/// Slope, apex and volume are told of a profile's reach: one that ends earlier, or that sees the table beyond the plate, gives other numbers of the same heap. So all
+/// runs of a setting are read at the places of that which ends first, as far as the plate goes.
+void read_at_equal_places(Bundle& bundle, const std::vector<std::size_t>& group, std::vector<std::string>& notes) {
+  std::map<std::size_t, BulkProfile> profiles;
+  Shortest s;
+  for (const std::size_t i : group)
+    for (const Observation& o : bundle.runs[i].observations) {
+      if (!is_heap_profile(o)) continue;
+      BulkProfile profile = last_profile(o);
+      if (profile.at.empty()) continue;
+      if (profile.at.back() < s.end) s = {profile.at.back(), bundle.runs[i].id, {}};
+      profiles[i] = std::move(profile);
+    }
+  if (profiles.empty()) return;
+  const double plate = plate_of(bundle, bundle.runs[group.front()].set), end = std::min(s.end, plate);
+  const auto first_to_end = std::find_if(profiles.begin(), profiles.end(), [&](const auto& p) { return p.second.at.back() == s.end; });
+  std::vector<double> places = first_to_end->second.at;
+  std::erase_if(places, [&](double r) { return r > plate; });
+  for (const auto& [i, profile] : profiles) {
+    if (profile.at.back() > longer * end) s.cut.push_back(bundle.runs[i].id);
+    if (profile.at == places) continue;
+    for (Observation& o : bundle.runs[i].observations) {
+      if (!is_heap_profile(o)) continue;
+      o.time.clear();
+      o.value.clear();
+      o.at = places;
+      for (const double r : places) o.value.push_back(height_at(profile, r));
+    }
+  }
+  if (!s.cut.empty())
+    notes.push_back(fmt::format("`heap` of {} is used up to {:.4g} m from the axis, where {}: what is beyond cannot be compared.", fmt::join(s.cut, ", "), end,
+                                plate < s.end ? "the plate ends" : "that of " + s.run + " ends"));
+  if (end < covers * plate && std::isfinite(plate))
+    notes.push_back(fmt::format("`heap` goes no further than {:.0f} % of the plate's radius: its slope, apex and volume are those of this part, recorded and simulated.", 100 * end / plate));
+}
+
+}  // namespace
+
 Bundle of_equal_length(Bundle bundle, std::vector<std::string>& notes) {
-  struct Shortest {
-    double end = INFINITY;
-    std::string run;
-    std::vector<std::string> cut;  // runs that last longer
-  };
   for (const std::vector<std::size_t>& group : settings_of(bundle)) {
+    read_at_equal_places(bundle, group, notes);
     std::map<std::pair<std::string, std::string>, Shortest> by_series;  // name, body
     for (const std::size_t i : group)
       for (const Observation& o : bundle.runs[i].observations)

@@ -10,7 +10,8 @@ namespace repose::diagnosis {
 BulkData bulk_data(const Bundle& bundle, std::uint64_t seed, std::vector<std::string>& notes);
 
 /// The bundle with every series cut where the shortest one of its setting ends (its last value): a mass in the end, or a load, is that of the end,
-/// and runs of one setting are compared with the same simulations. `notes`: series that last longer by more than 5 %.
+/// and runs of one setting are compared with the same simulations. Profiles of heaps likewise: all are read at the places of the one that ends first, and none
+/// beyond the plate, where simulations end. `notes`: series and profiles that are longer by more than 5 %; profiles that leave out much of the plate.
 Bundle of_equal_length(Bundle bundle, std::vector<std::string>& notes);
 
 }  // namespace repose::diagnosis

@@ -162,7 +162,7 @@ class BulkDiagnosing {
     result_.tested_dimensions = test.dimensions;
     const std::size_t setting = result_.data.first_fitted();
     std::vector<std::vector<Observation>> simulated;
-    for (const BulkOutcome& o : outcomes_at_fit(nominal, nominal, setting))
+    for (const BulkOutcome& o : outcomes_at_fit(nominal, nominal, result_.data, setting))
       if (o.failure.empty()) simulated.push_back(o.observations);
     result_.where = locate_bulk(recorded(bundle_, result_.data.settings[setting].train_runs), simulated);
     // One number alone: it is located where it was tested.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "analysis/diagnosis/bulk_summary.hpp"
 #include "analysis/statistics.hpp"
 #include "analysis/two_samples.hpp"
@@ -22,12 +23,11 @@ const Observation* find(const std::vector<Observation>& all, const Observation& 
 }
 
 /// Mean of the finite values whose places lie in [from, to].
-double mean_within(const Observation& o, double from, double to) {
-  const std::vector<double>& at = o.kind == ObservableKind::series ? o.time : o.at;
+double mean_within(const std::vector<double>& at, const std::vector<double>& value, double from, double to) {
   double sum = 0, n = 0;
   for (std::size_t i = 0; i < at.size(); ++i)
-    if (at[i] >= from && at[i] <= to && std::isfinite(o.value[i])) {
-      sum += o.value[i];
+    if (at[i] >= from && at[i] <= to && std::isfinite(value[i])) {
+      sum += value[i];
       ++n;
     }
   return n > 0 ? sum / n : nan;
@@ -51,9 +51,18 @@ double p_of_one_more(double value, const std::vector<double>& sample) {
   return student_two_sided(t, n - 1);
 }
 
-void test(BulkLocated part, const std::vector<double>& recorded, const std::vector<double>& simulated, std::vector<BulkLocated>& found) {
+/// A number of each run that has it.
+struct Values {
+  std::vector<double> value;
+  std::vector<std::size_t> run;
+};
+
+void test(BulkLocated part, const Values& of_recorded, const std::vector<double>& simulated, std::vector<BulkLocated>& found) {
+  const std::vector<double>& recorded = of_recorded.value;
   if (recorded.empty() || simulated.size() < 2) return;
   const Summary a = summarise(recorded), b = summarise(simulated);
+  const auto furthest = std::max_element(recorded.begin(), recorded.end(), [&](double x, double y) { return std::abs(x - b.mean) < std::abs(y - b.mean); });
+  part.run = of_recorded.run[static_cast<std::size_t>(furthest - recorded.begin())];
   part.difference = a.mean - b.mean;
   const double sd = std::max(b.sd, a.sd);
   part.in_scatter = sd > 0 ? part.difference / sd : 0;
@@ -67,11 +76,14 @@ std::string phase_of(const Observation& o) {
 }
 
 template <class Value>
-std::vector<double> values(const Runs& runs, const Observation& like, Value value) {
-  std::vector<double> result;
-  for (const auto& run : runs)
-    if (const Observation* o = find(run, like))
-      if (const double v = value(*o); std::isfinite(v)) result.push_back(v);
+Values values(const Runs& runs, const Observation& like, Value value) {
+  Values result;
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (const Observation* o = find(runs[i], like))
+      if (const double v = value(*o); std::isfinite(v)) {
+        result.value.push_back(v);
+        result.run.push_back(i);
+      }
   return result;
 }
 
@@ -86,7 +98,7 @@ std::vector<BulkLocated> locate_bulk(const Runs& recorded, const Runs& simulated
     BulkLocated part;
     part.observable = o.name;
     part.phase = phase_of(o);
-    const auto compare = [&](auto value) { test(part, values(recorded, o, value), values(simulated, o, value), found); };
+    const auto compare = [&](auto value) { test(part, values(recorded, o, value), values(simulated, o, value).value, found); };
     if (o.kind == ObservableKind::scalar) compare([](const Observation& x) { return x.scalar; });
     if (o.kind == ObservableKind::surface) {
       const BulkSummary mean{o.name + "_mean", o.name, part.phase, ""}, sd{o.name + "_sd", o.name, part.phase, ""};
@@ -94,15 +106,19 @@ std::vector<BulkLocated> locate_bulk(const Runs& recorded, const Runs& simulated
       part.quantity = "roughness";
       compare([&](const Observation& x) { return value_of(sd, {x}); });
     }
-    if ((o.kind == ObservableKind::series && model->time.size() < 2) || (o.kind == ObservableKind::profile && o.at.empty())) continue;
-    if (o.kind != ObservableKind::series && o.kind != ObservableKind::profile) continue;
     const bool series = o.kind == ObservableKind::series;
-    const auto [from, to] = series ? moving_part(*model) : std::pair{0.0, *std::max_element(o.at.begin(), o.at.end())};
+    const BulkProfile profile = o.kind == ObservableKind::profile ? last_profile(o) : BulkProfile{};
+    if (series ? model->time.size() < 2 : profile.at.empty()) continue;
+    const auto [from, to] = series ? moving_part(*model) : std::pair{0.0, profile.at.back()};
     for (int i = 0; i < parts; ++i) {
       const double a = from + (to - from) * i / parts, b = from + (to - from) * (i + 1) / parts;
       (series ? part.t_start : part.radius_from) = a;
       (series ? part.t_end : part.radius_to) = b;
-      compare([a, b](const Observation& x) { return mean_within(x, a, b); });
+      compare([a, b, series](const Observation& x) {
+        if (series) return mean_within(x.time, x.value, a, b);
+        const BulkProfile p = last_profile(x);
+        return mean_within(p.at, p.height, a, b);
+      });
     }
   }
   std::vector<double> p;

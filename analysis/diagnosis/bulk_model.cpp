@@ -7,6 +7,7 @@
 
 #include "analysis/diagnosis/bulk_emulator.hpp"
 #include "analysis/diagnosis/bulk_recording_error.hpp"
+#include "analysis/diagnosis/bulk_sampling.hpp"
 
 namespace repose::diagnosis {
 namespace {
@@ -101,9 +102,10 @@ const DesignPoint* at_fit(const BulkModel& model) {
   return model.direct >= 0 ? &model.design[static_cast<std::size_t>(model.direct)] : nullptr;
 }
 
-std::vector<BulkOutcome> disturbed_outcomes(const BulkCandidate& candidate, const VectorXd& point, std::vector<BulkOutcome> outcomes) {
+/// First the error, then the recording's times and places: a clock that is late ends with the recording, and a ruler is laid against the whole heap.
+std::vector<BulkOutcome> disturbed_outcomes(const BulkCandidate& candidate, const VectorXd& point, std::vector<BulkOutcome> outcomes, const BulkSetting& setting) {
   for (BulkOutcome& o : outcomes) o.observations = disturbed(candidate, point, std::move(o.observations));
-  return outcomes;
+  return as_recorded(std::move(outcomes), setting);
 }
 
 /// The nearest that was simulated to what the model says: at its fit, else at that of a part, else the nominal scene. Free of errors of the recording.
@@ -121,11 +123,11 @@ class ErrorMade {
     const DesignPoint* simulated = nearest_simulated(model, nominal);
     VectorXd point = null_point(model.candidate, VectorXd(0));
     for (std::size_t s = 0; s < data.settings.size(); ++s) {
-      const VectorXd plain = simulated == nullptr ? VectorXd() : column_means(rows_of(simulated->outcomes[s], data.summaries)).first;
+      const VectorXd plain = simulated == nullptr ? VectorXd() : column_means(simulated->rows[s]).first;
       MatrixXd table = MatrixXd::Constant(static_cast<Index>(data.summaries.size()), cells + 1, nan);
       for (Index i = 0; i <= cells && simulated != nullptr; ++i) {
         point[axis] = static_cast<double>(i) / cells;
-        table.col(i) = column_means(rows_of(disturbed_outcomes(model.candidate, point, simulated->outcomes[s]), data.summaries)).first - plain;
+        table.col(i) = column_means(rows_of(disturbed_outcomes(model.candidate, point, simulated->outcomes[s], data.settings[s]), data.summaries)).first - plain;
       }
       tables_.push_back(std::move(table));
     }
@@ -155,6 +157,11 @@ BulkPrediction of_means(const std::vector<MatrixXd>& rows, const MatrixXd& scatt
 }
 
 }  // namespace
+
+std::vector<BulkOutcome> as_recorded(std::vector<BulkOutcome> outcomes, const BulkSetting& setting) {
+  for (BulkOutcome& o : outcomes) o.observations = sampled_like(std::move(o.observations), setting.like);
+  return outcomes;
+}
 
 MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<BulkSummary>& summaries) {
   MatrixXd rows = MatrixXd::Constant(static_cast<Index>(outcomes.size()), static_cast<Index>(summaries.size()), nan);
@@ -232,13 +239,13 @@ Predict superposed(const BulkCandidate& pair, const Predicted& a, const Predicte
   };
 }
 
-std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, std::size_t setting) {
+std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting) {
   const DesignPoint* point = model.candidate.kind == BulkCandidate::Kind::recording ? at_fit(nominal) : at_fit(model);
-  return point == nullptr ? std::vector<BulkOutcome>{} : disturbed_outcomes(model.candidate, fitted_point(model), point->outcomes[setting]);
+  return point == nullptr ? std::vector<BulkOutcome>{} : disturbed_outcomes(model.candidate, fitted_point(model), point->outcomes[setting], data.settings[setting]);
 }
 
 MatrixXd rows_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting) {
-  return rows_of(outcomes_at_fit(model, nominal, setting), data.summaries);
+  return rows_of(outcomes_at_fit(model, nominal, data, setting), data.summaries);
 }
 
 }  // namespace repose::diagnosis

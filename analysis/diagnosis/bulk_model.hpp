@@ -30,8 +30,8 @@ using SimulateBulk = std::function<std::optional<std::vector<BulkOutcome>>(const
 /// A point of the cube with its replicates.
 struct DesignPoint {
   Eigen::VectorXd at;
-  std::vector<std::vector<BulkOutcome>> outcomes;  ///< of each setting, of each seed
-  std::vector<Eigen::MatrixXd> rows;               ///< of each setting: one row of summaries per seed
+  std::vector<std::vector<BulkOutcome>> outcomes;  ///< of each setting, of each seed, as the simulation shows them, whatever a recording saw of it
+  std::vector<Eigen::MatrixXd> rows;               ///< of each setting: one row of summaries per seed, as recorded
 };
 
 struct BulkModel {
@@ -43,6 +43,9 @@ struct BulkModel {
   BulkPosterior posterior;
   std::size_t fitted_designs = 0; ///< length of `design` that the posterior knows
 };
+
+/// Seen at the times and places of the setting's recordings.
+std::vector<BulkOutcome> as_recorded(std::vector<BulkOutcome> outcomes, const BulkSetting& setting);
 
 /// Summaries of outcomes, NaN where there are none. One row each.
 Eigen::MatrixXd rows_of(const std::vector<BulkOutcome>& outcomes, const std::vector<BulkSummary>& summaries);
@@ -67,6 +70,6 @@ Predict superposed(const BulkCandidate& pair, const Predicted& a, const Predicte
 
 /// The replicates that stand for the fitted model, of one setting, as recorded; no rows if it was not simulated.
 Eigen::MatrixXd rows_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting);
-std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, std::size_t setting);
+std::vector<BulkOutcome> outcomes_at_fit(const BulkModel& model, const BulkModel& nominal, const BulkData& data, std::size_t setting);
 
 }  // namespace repose::diagnosis

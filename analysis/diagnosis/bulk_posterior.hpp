@@ -20,6 +20,7 @@ struct BulkSetting {
   std::vector<Override> set;
   Eigen::MatrixXd train, held;
   std::vector<std::size_t> train_runs, held_runs;  ///< of the bundle
+  std::vector<Observation> like = {};              ///< of its first run: at these times and places a simulation is seen
 };
 
 struct BulkData {

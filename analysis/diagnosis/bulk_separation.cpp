@@ -66,7 +66,7 @@ SuggestedRecording bulk_recording_that_parts(const BulkModel& first, const BulkM
   SuggestedRecording best;
   best.first = first.candidate.hypothesis.label();
   best.second = second.candidate.hypothesis.label();
-  const std::vector<BulkOutcome> a = outcomes_at_fit(first, nominal, 0), b = outcomes_at_fit(second, nominal, 0);
+  const std::vector<BulkOutcome> a = outcomes_at_fit(first, nominal, data, data.first_fitted()), b = outcomes_at_fit(second, nominal, data, data.first_fitted());
   if (a.size() < 2 || b.size() < 2) return best;
   double runs = 0;
   for (const BulkSetting& s : data.settings) runs += static_cast<double>(s.train.rows() + s.held.rows());

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "analysis/discharge.hpp"
 #include "analysis/statistics.hpp"
 
@@ -22,26 +23,8 @@ std::vector<double> finite(const std::vector<double>& values) {
   return result;
 }
 
-/// The last profile of a record: all of it if it has no times.
-struct Profile {
-  std::vector<double> at, height;
-};
-
-Profile last_profile(const Observation& o) {
-  std::vector<std::pair<double, double>> points;
-  for (std::size_t i = 0; i < o.at.size(); ++i)
-    if ((o.time.empty() || o.time[i] == o.time.back()) && std::isfinite(o.value[i])) points.emplace_back(std::abs(o.at[i]), o.value[i]);
-  std::sort(points.begin(), points.end());
-  Profile p;
-  for (const auto& [r, h] : points) {
-    p.at.push_back(r);
-    p.height.push_back(h);
-  }
-  return p;
-}
-
 /// 2 pi int r h dr up to `to`, by trapezia from the axis.
-double volume(const Profile& p, double to) {
+double volume(const BulkProfile& p, double to) {
   double sum = 0, r0 = 0, h0 = p.height.front();
   for (std::size_t i = 0; i < p.at.size() && p.at[i] <= to; ++i) {
     sum += 0.5 * (r0 * h0 + p.at[i] * p.height[i]) * (p.at[i] - r0);
@@ -51,7 +34,7 @@ double volume(const Profile& p, double to) {
   return 2 * std::numbers::pi * sum;
 }
 
-double slope_deg(const Profile& p, double from, double to) {
+double slope_deg(const BulkProfile& p, double from, double to) {
   std::vector<double> r, h;
   for (std::size_t i = 0; i < p.at.size(); ++i)
     if (p.at[i] >= from * p.at.back() && p.at[i] <= to * p.at.back()) {
@@ -63,7 +46,7 @@ double slope_deg(const Profile& p, double from, double to) {
 }
 
 double of_profile(const std::string& name, const Observation& o) {
-  const Profile p = last_profile(o);
+  const BulkProfile p = last_profile(o);
   if (p.at.size() < 4) return nan;
   if (name == "heap_volume") return volume(p, p.at.back());
   if (name == "heap_slope") return slope_deg(p, 0.2, 0.8);

@@ -60,8 +60,8 @@ for scheme in 0 1; do
   sound report.html 'data-charts-expected="3"' 'data-charts-drawn="3"' ||
     fail "report.html (colour scheme $scheme): $(opening_tag) $(grep CONSOLE "$work/log" || true)"
 done
-# Two residual charts in front, two behind, the force against its variable, the gains; nothing missing: residuals alone.
-for case in missing:6 ambiguous:6 unknown:6 measurement:6 numerics:6 none:4; do
+# Two residual charts in front, two behind, the force against its variable, the gains; nothing missing: residuals alone. Of a heap: profile and discharge.
+for case in missing:6 ambiguous:6 unknown:6 measurement:6 numerics:6 none:4 heap:2; do
   page=diagnosis-${case%:*}.html
   open_page "$page"
   sound "$page" "data-charts-expected=\"${case#*:}\"" "data-charts-drawn=\"${case#*:}\"" ||

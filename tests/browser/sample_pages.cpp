@@ -1,4 +1,4 @@
-/// Writes report.html, film.html and a diagnosis-<verdict>.html for each verdict into the folder given: what check_pages.sh opens.
+/// Writes report.html, film.html, a diagnosis-<verdict>.html for each verdict and that of a heap, diagnosis-heap.html, into the folder given: what check_pages.sh opens.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -6,10 +6,12 @@
 #include "analysis/render/render.hpp"
 #include "analysis/report/film.hpp"
 #include "core/recording.hpp"
+#include "scenarios/bulk_diagnosis_report.hpp"
 #include "scenarios/diagnosis_report.hpp"
 #include "tests/browser/sample_diagnosis.hpp"
 #include "tests/browser/sample_report.hpp"
 #include "tests/unit/picture_heap.hpp"
+#include "tests/unit/stand_in_heap.hpp"
 
 int main(int argc, char** argv) try {
   using namespace repose;
@@ -39,6 +41,11 @@ int main(int argc, char** argv) try {
   for (const auto& d : {test::sample_missing(), test::sample_none(), test::sample_ambiguous(), test::sample_unknown(), test::sample_measurement(),
                         test::sample_numerics()})
     write_atomically(folder / ("diagnosis-" + d.verdict.word + ".html"), report::to_html(diagnosis_report(d, bundle, {{"backend", "dvi"}})));
+  const Bundle heaps = diagnosis::recorded_heaps(12, 500, {{"pairs.grain-grain.rolling_friction", "0.075"}});
+  diagnosis::BulkOptions two;
+  two.effects = {"rolling_friction", "restitution"};
+  const diagnosis::BulkDiagnosis found = diagnosis::diagnose_bulk(heaps, diagnosis::stand_in(), two);
+  write_atomically(folder / "diagnosis-heap.html", report::to_html(bulk_diagnosis_report(found, heaps, {{"backend", "dvi"}})));
   return 0;
 } catch (const std::exception& problem) {
   std::fprintf(stderr, "%s\n", problem.what());

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "analysis/diagnosis/bulk_data.hpp"
+#include "analysis/diagnosis/bulk_profile.hpp"
 #include "core/error.hpp"
 #include "tests/unit/stand_in_heap.hpp"
 
@@ -139,6 +141,54 @@ TEST(BulkDataTest, ANumberThatIsAlwaysZeroIsLeftOut) {
   EXPECT_THROW(bulk_data(bundle, 1, notes), Error);
 }
 
+/// The heaps as another instrument takes them: to `reach` times the plate's radius, at `places` places of its own, and the table beyond the plate.
+void take_profiles_anew(Bundle& bundle, double reach, int places) {
+  constexpr double plate = 6e-4;
+  for (BundleRun& run : bundle.runs)
+    for (Observation& o : run.observations) {
+      if (o.kind != ObservableKind::profile) continue;
+      const BulkProfile whole = last_profile(o);
+      o.at.clear();
+      o.value.clear();
+      for (int i = 1; i <= places; ++i) {
+        o.at.push_back(reach * plate * i / places);
+        o.value.push_back(o.at.back() > plate ? 0 : height_at(whole, o.at.back()));
+      }
+    }
+}
+
+// What an instrument sees of a heap is no physics: neither how far it sees, nor where it reads.
+TEST(BulkDiagnosisTest, AHeapMayBeSeenInPartAndBeyondItsPlate) {
+  for (const double reach : {0.7, 1.0, 1.5})
+    for (std::uint64_t i = 1; i <= 4; ++i) {
+      Bundle bundle = recorded_heaps(9, 100 * i, {});
+      take_profiles_anew(bundle, reach, 30);
+      keep(bundle, {"heap"});
+      const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction"}, i));
+      EXPECT_EQ(d.verdict.word, "none") << reach << " " << d.lack_of_fit_p;
+      EXPECT_EQ(std::any_of(d.notes.begin(), d.notes.end(), [](const std::string& note) { return note.starts_with("`heap`"); }), reach != 1.0);
+    }
+}
+
+// One run that ends early, and others that have other places, are compared with each other over what all of them saw.
+TEST(BulkDataTest, ProfilesOfOneSettingAreReadAtOnesPlaces) {
+  Bundle bundle = recorded_heaps(3, 1, {}), part = bundle, dense = bundle;
+  take_profiles_anew(part, 0.7, 20);
+  take_profiles_anew(dense, 1.5, 90);
+  bundle.runs[1] = part.runs[1];
+  bundle.runs[2] = dense.runs[2];
+  std::vector<std::string> notes;
+  const Bundle equal = of_equal_length(bundle, notes);
+  const auto profile = [](const BundleRun& run) { return last_profile(run.observations[1]); };
+  ASSERT_EQ(profile(equal.runs[0]).at.size(), 20u);
+  for (const BundleRun& run : equal.runs) EXPECT_EQ(profile(run).at, profile(part.runs[1]).at);
+  // The stand-in's heap is a cone, which straight lines lose nothing of.
+  EXPECT_NEAR(profile(equal.runs[0]).height.back(), height_at(profile(bundle.runs[0]), 4.2e-4), 1e-12);
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_NE(notes[0].find("`heap` of pour-1, pour-3 is used up to 0.00042 m from the axis, where that of pour-2 ends"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[1].find("70 %"), std::string::npos) << notes[1];
+}
+
 TEST(BulkDiagnosisTest, OneNumberHasManyExplanations) {
   Bundle bundle = recorded_heaps(1, 1, {});
   keep(bundle, {"angle_of_repose"});
@@ -171,8 +221,11 @@ TEST(BulkDiagnosisTest, AFasterFlowThatNothingExplainsIsUnknown) {
   EXPECT_EQ(d.where.front().phase, "flow");
 }
 
+// What a long ruler shows beyond the plate is left out, so that heights alone tell it, whose scatter is 2 %.
 TEST(BulkDiagnosisTest, AWrongRulerIsAnErrorOfTheRecording) {
-  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {}, {.length_factor = 1.12}), stand_in(), with({"rolling_friction", "restitution", "length_scale"}));
+  BulkOptions options = with({"rolling_friction", "restitution", "length_scale"});
+  options.nominal_seeds = 40;
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(36, 500, {}, {.length_factor = 1.12}), stand_in(), options);
   EXPECT_EQ(d.verdict.word, "measurement");
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.names().front(), "length_scale");
   EXPECT_NEAR(d.models[d.best].estimates.front().value, 1.12, 0.02);
@@ -196,11 +249,34 @@ TEST(BulkDiagnosisTest, ALateClockAndAWrongProtractorAreErrorsOfTheRecording) {
   EXPECT_NEAR(wrong.models[wrong.best].estimates.front().value, 4, 1);
 }
 
+// A clock that is late ends with the recording: less has flowed by then, and nobody poured less.
+TEST(BulkDiagnosisTest, ALateClockSeesLessOfAFlowThatGoesOn) {
+  Bundle bundle = recorded_heaps(12, 500, {}, {.late = 4e-3});
+  keep(bundle, {"discharged_mass"});
+  for (BundleRun& run : bundle.runs)
+    for (std::vector<double>* column : {&run.observations.front().time, &run.observations.front().value}) column->resize(81);  // 0.04 s of some 0.05
+  const BulkDiagnosis d = diagnose_bulk(bundle, stand_in(), with({"rolling_friction", "cohesion", "time_offset", "time_scale"}));
+  EXPECT_EQ(d.verdict.word, "measurement");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "time_offset");
+  EXPECT_NEAR(d.models[d.best].estimates.front().value, 4e-3, 4e-4);
+  EXPECT_GT(d.remaining_p, 0.01);
+}
+
 TEST(BulkDiagnosisTest, AValueThatTheSceneStatesMayBeWrong) {
   const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {{"pairs.grain-grain.friction", "0.8"}}), stand_in(), with({"friction", "rolling_friction", "cohesion"}));
   EXPECT_EQ(d.verdict.word, "missing");
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "friction (grain-grain)");
   EXPECT_NEAR(d.models[d.best].estimates.front().value, 0.8, 0.08);
+}
+
+TEST(BulkDiagnosisTest, TheFrictionOfAWallThatTheSceneStatesMayBeWrong) {
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(12, 500, {{"pairs.grain-wall.friction", "0.8"}}), stand_in(), with({"wall_friction", "friction", "rolling_friction", "cohesion"}));
+  EXPECT_EQ(d.verdict.word, "missing");
+  EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "wall_friction (grain-wall)");
+  ASSERT_EQ(d.models[d.best].estimates.size(), 1u);
+  EXPECT_EQ(d.models[d.best].estimates.front().name, "pairs.grain-wall.friction");
+  EXPECT_NEAR(d.models[d.best].estimates.front().value, 0.8, 0.08);
+  EXPECT_NEAR(number_at(parse_yaml(d.extended_scene, "extended"), "pairs.grain-wall.friction", 0), d.models[d.best].estimates.front().value, 1e-12);
 }
 
 TEST(BulkDiagnosisTest, TwoEffectsAtOnceAreBothNamed) {
@@ -283,7 +359,9 @@ TEST(BulkDiagnosisTest, APairThatNoSimulationBearsOutIsNoResult) {
 }
 
 TEST(BulkDiagnosisTest, PhysicsBesideAnErrorOfTheRecordingIsFound) {
-  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(18, 500, rolling, {.length_factor = 1.12}), stand_in(), with({"rolling_friction", "cohesion", "restitution", "length_scale"}));
+  BulkOptions options = with({"rolling_friction", "cohesion", "restitution", "length_scale"});
+  options.direct_seeds = 40;
+  const BulkDiagnosis d = diagnose_bulk(recorded_heaps(36, 500, rolling, {.length_factor = 1.12}), stand_in(), options);
   EXPECT_EQ(d.verdict.word, "missing");
   EXPECT_EQ(d.models[d.best].model.candidate.hypothesis.label(), "rolling_friction (grain-grain) + length_scale");
   ASSERT_EQ(d.models[d.best].estimates.size(), 2u);
@@ -317,6 +395,24 @@ TEST(BulkDiagnosisTest, AnotherEngineIsNoPhysics) {
   EXPECT_EQ(lacking.verdict.word, "missing");
   for (const BulkFitted& m : lacking.models) EXPECT_EQ(m.model.candidate.backend, "");
   for (const std::string& note : lacking.notes) EXPECT_EQ(note.find("failed"), std::string::npos) << note;
+}
+
+// Recorded with a finer step, or with a tighter tolerance: each is called by its own name, and alone in the extended scene.
+TEST(BulkDiagnosisTest, StepAndToleranceAreToldApart) {
+  const StandIn world{.by_step = 0.2, .by_tolerance = 0.3};
+  const auto diagnosed = [&](const std::vector<Override>& finer) {
+    return diagnose_bulk(recorded_heaps(12, 500, finer, world), stand_in(world), with({"rolling_friction", "restitution"}));
+  };
+  const BulkDiagnosis step = diagnosed({{"solver.time_step", "2.5e-5"}}), tolerance = diagnosed({{"solver.tolerance", "1.0e-4"}});
+  const auto solver = [](const BulkDiagnosis& d, const char* key) { return number_at(parse_yaml(d.extended_scene, "extended"), key, 0); };
+  EXPECT_EQ(step.verdict.word, "numerics");
+  EXPECT_EQ(tolerance.verdict.word, "numerics");
+  EXPECT_EQ(step.models[step.best].model.candidate.hypothesis.label(), "time_step");
+  EXPECT_EQ(tolerance.models[tolerance.best].model.candidate.hypothesis.label(), "solver_tolerance");
+  EXPECT_NEAR(solver(step, "solver.time_step"), 2.5e-5, 1e-15);
+  EXPECT_NEAR(solver(step, "solver.tolerance"), 1e-3, 1e-15);
+  EXPECT_NEAR(solver(tolerance, "solver.time_step"), 1e-4, 1e-15);
+  EXPECT_NEAR(solver(tolerance, "solver.tolerance"), 1e-4, 1e-15);
 }
 
 TEST(BulkDiagnosisTest, AConstantThatNobodyMeasuredIsCalibrated) {
@@ -357,6 +453,20 @@ TEST(BulkDiagnosisTest, WhatCannotBeTriedIsToldBeforeAnythingIsSimulated) {
   EXPECT_THROW(diagnose_bulk(recorded_heaps(12, 500, rolling), counted, with({"frame_tilt"})), Error);
   EXPECT_EQ(simulated, 0);
   EXPECT_EQ(diagnose_bulk(recorded_heaps(12, 500, rolling), counted, with({"rolling_friction", "time_step"})).verdict.word, "missing");
+}
+
+TEST(BulkDiagnosisTest, NoSeedSimulatesThePackingsOfARecording) {
+  std::set<std::uint64_t> seen;
+  for (const std::uint64_t seed : {0, 1, 2}) {
+    const SimulateBulk simulate = [&, plain = stand_in()](const std::string& stage, const std::vector<BulkRequest>& requests) {
+      for (const BulkRequest& r : requests) {
+        EXPECT_GT(r.seed, 100'000u) << seed;
+        EXPECT_TRUE(seen.insert(r.seed).second) << "of two seeds";
+      }
+      return plain(stage, requests);
+    };
+    diagnose_bulk(recorded_heaps(9, 1, {}), simulate, with({"rolling_friction"}, seed));
+  }
 }
 
 TEST(BulkDiagnosisTest, ASceneThatMakesNoHeapIsAnError) {

@@ -6,6 +6,7 @@
 #include "backends/backends.hpp"
 #include "core/error.hpp"
 #include "core/scene_yaml.hpp"
+#include "scenarios/bulk_simulation.hpp"
 #include "scenarios/history.hpp"
 
 namespace repose {
@@ -46,6 +47,40 @@ TEST(BulkSeries, SurfaceAngleInADrumIsTheDirectionOfTheGrainsFromItsAxis) {
 TEST(BulkSeries, SurfaceAngleNeedsADrumThatTurns) {
   EXPECT_THROW(drum_with(""), Error);
   EXPECT_NO_THROW(drum_with(", motion: {angular_velocity: [0, 1, 0]}", "mill"));
+}
+
+/// A flat surface at the middles of cells.
+Observation surface(double from, double to, double cell) {
+  Observation o;
+  o.kind = ObservableKind::surface;
+  o.name = "layer_after";
+  for (double y = 0.5 * cell; y < 1e-4; y += cell)
+    for (double x = from + 0.5 * cell; x < to; x += cell) {
+      o.at.push_back(x);
+      o.at_y.push_back(y);
+      o.value.push_back(0);
+    }
+  return o;
+}
+
+TEST(BulkSurface, OtherCellsOrAnotherRegionAreTold) {
+  Bundle bundle;
+  bundle.scene.layer = LayerSetup{};
+  bundle.scene.layer->cell = 5e-6;
+  bundle.scene.layer->upper = {3e-4, 1e-4};
+  const auto told = [&](const Observation& o) {
+    Bundle recorded = bundle;
+    BundleRun run;
+    run.id = "layer";
+    run.observations = {o};
+    recorded.runs = {run, run};
+    return only_simulated(std::move(recorded)).warnings;
+  };
+  EXPECT_TRUE(told(surface(0, 3e-4, 5e-6)).empty());
+  const std::vector<std::string> coarse = told(surface(0, 3e-4, 2e-5)), elsewhere = told(surface(1e-4, 4e-4, 5e-6));
+  ASSERT_EQ(coarse.size(), 1u);
+  EXPECT_NE(coarse.front().find("in cells of 2e-05 m"), std::string::npos) << coarse.front();
+  EXPECT_EQ(elsewhere.size(), 1u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 #include "analysis/bundle/sensor.hpp"
@@ -220,6 +221,29 @@ TEST(CandidateTest, RefusesAnUnknownEffectAndOneThatTheSceneHas) {
   EXPECT_THROW(bulk_candidates(bundle, scale, {"friction"}, 8), Error);
 }
 
+TEST(CandidateTest, TheFrictionOfWallsIsTriedAsItIsStated) {
+  Bundle bundle;
+  bundle.scene = parse_scene(heap_scene, "scene");
+  bundle.runs.emplace_back();
+  const NaturalScale scale = natural_scale(realise(bundle.scene, 1));
+  const auto labels = [&](const std::vector<std::string>& wanted) {
+    std::vector<std::string> result;
+    for (const BulkCandidate& c : bulk_candidates(bundle, scale, wanted, 8))
+      if (c.hypothesis.names().front().ends_with("friction") && stated_in(c.hypothesis) > 0) result.push_back(c.hypothesis.label());
+    return result;
+  };
+  const std::vector<std::string> walls{"wall_friction (grain-plate)", "wall_friction (grain-wall)"};
+  EXPECT_EQ(labels({"wall_friction"}), walls);
+  EXPECT_EQ(labels({}), (std::vector<std::string>{"friction (grain-grain)", walls[0], walls[1]}));
+  bundle.calibrate = {"pairs.grain-wall.friction"};
+  EXPECT_EQ(labels({"wall_friction"}), (std::vector<std::string>{walls[0]}));
+  // A funnel of the grains' own material has no friction of its own.
+  std::string text = heap_scene;
+  text.replace(text.find("funnel: {material: wall"), 23, "funnel: {material: grain");
+  bundle.scene = parse_scene(text, "scene");
+  EXPECT_EQ(labels({"friction"}), (std::vector<std::string>{"friction (grain-grain)"}));
+}
+
 TEST(SummaryTest, OfAConeAndASteadyStream) {
   Observation profile;
   profile.kind = ObservableKind::profile;
@@ -250,6 +274,73 @@ TEST(SummaryTest, OfAConeAndASteadyStream) {
   EXPECT_NEAR(value("poured_mass"), 1, 1e-12);
 }
 
+Observation series_of(const char* name, const char* unit, const std::vector<double>& values) {
+  Observation o;
+  o.kind = ObservableKind::series;
+  o.name = name;
+  o.unit = unit;
+  o.value = values;
+  for (std::size_t i = 0; i < values.size(); ++i) o.time.push_back(0.1 * static_cast<double>(i));
+  return o;
+}
+
+/// The summaries of these observations by their names: values, units and phases.
+struct Told {
+  double value = std::nan("");
+  std::string unit, phase;
+};
+std::map<std::string, Told> told_of(const std::vector<Observation>& all) {
+  std::map<std::string, Told> result;
+  for (const BulkSummary& s : summaries_of(all)) result[s.name] = {value_of(s, all), s.unit, s.phase};
+  return result;
+}
+
+TEST(SummaryTest, OfTheLoadsOnARollerAndTheAngleInADrum) {
+  const auto told = told_of({series_of("roller_force_x", "N", {-1, -3, std::nan(""), -2}), series_of("roller_torque", "N m", {0.5, 0.5, 0.5}), series_of("surface_angle", "deg", {30, 34})});
+  ASSERT_EQ(told.size(), 6u);
+  EXPECT_NEAR(told.at("roller_force_x_mean").value, -2, 1e-12);  // a gap is no zero
+  EXPECT_NEAR(told.at("roller_force_x_sd").value, 1, 1e-12);
+  EXPECT_EQ(told.at("roller_force_x_mean").unit, "N");
+  EXPECT_EQ(told.at("roller_force_x_mean").phase, "spread");
+  EXPECT_NEAR(told.at("roller_torque_mean").value, 0.5, 1e-12);
+  EXPECT_NEAR(told.at("roller_torque_sd").value, 0, 1e-12);
+  EXPECT_EQ(told.at("roller_torque_mean").unit, "N m");
+  EXPECT_NEAR(told.at("surface_angle_mean").value, 32, 1e-12);
+  EXPECT_NEAR(told.at("surface_angle_sd").value, std::sqrt(8.0), 1e-12);
+  EXPECT_EQ(told.at("surface_angle_mean").phase, "flow");
+  const std::vector<Observation> single{series_of("roller_force_z", "N", {1, std::nan("")})};
+  EXPECT_TRUE(std::isnan(told_of(single).at("roller_force_z_mean").value));
+}
+
+TEST(SummaryTest, OfTheLoadOnABaseTheLastTenthCounts) {
+  std::vector<double> grams(40, 1.0);
+  grams[35] = 100;  // a grain that strikes the base
+  for (const std::size_t i : {36, 37, 38, 39}) grams[i] = 2.0 + 0.1 * static_cast<double>(i);
+  const auto told = told_of({series_of("mass_on_base", "g", grams)});
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NEAR(told.at("load_on_base").value, 5.75, 1e-12);
+  EXPECT_EQ(told.at("load_on_base").unit, "g");
+  EXPECT_NEAR(told_of({series_of("mass_on_base", "g", {1, 2, 3})}).at("load_on_base").value, 3, 1e-12);
+}
+
+TEST(SummaryTest, OfASurfaceHeightAndRoughness) {
+  Observation before, after;
+  before.kind = after.kind = ObservableKind::surface;
+  before.name = "layer_before";
+  after.name = "layer_after";
+  before.value = {0, 0, 0, 0};
+  after.value = {5e-5, 7e-5, std::nan(""), 9e-5};  // a place that was not seen is none of height 0
+  before.at = before.at_y = after.at = after.at_y = {0, 1, 2, 3};
+  const auto told = told_of({before, after});
+  ASSERT_EQ(told.size(), 4u);
+  EXPECT_EQ(told.at("layer_before_mean").value, 0);
+  EXPECT_EQ(told.at("layer_before_sd").value, 0);
+  EXPECT_NEAR(told.at("layer_after_mean").value, 7e-5, 1e-18);
+  EXPECT_NEAR(told.at("layer_after_sd").value, 2e-5, 1e-18);
+  EXPECT_EQ(told.at("layer_after_sd").unit, "m");
+  EXPECT_EQ(told.at("layer_after_sd").phase, "spread");
+}
+
 TEST(SummaryTest, ThreeAreChosenOnePerObservableFirst) {
   const auto three = three_of(summaries_of(stand_in_pour(parse_yaml(heap_scene, "scene"), 1)));
   ASSERT_EQ(three.size(), 3u);
@@ -269,6 +360,42 @@ TEST(SamplingTest, ASimulationIsReadAtTheRecordedTimes) {
   const Observation seen = sampled_like({made}, {taken}).front();
   EXPECT_EQ(seen.time, (std::vector<double>{-1, 0.5, 1.5, 3}));
   EXPECT_EQ(seen.value, (std::vector<double>{0, 5, 15, 20}));
+}
+
+// As far as the recorded times are concerned what is kept is the whole, and a late clock finds what came before and after them.
+TEST(SamplingTest, WhatIsKeptOfASimulationServesAnyClock) {
+  Observation made, taken;
+  made.kind = taken.kind = ObservableKind::series;
+  made.name = taken.name = "discharged_mass";
+  for (int i = 0; i <= 4000; ++i) {
+    made.time.push_back(1e-3 * i);
+    made.value.push_back(std::sin(made.time.back()));
+  }
+  for (int i = 0; i <= 20; ++i) {
+    taken.time.push_back(1 + 0.0503 * i);
+    taken.value.push_back(0);
+  }
+  Observation kept = thinned_like({made}, {taken}).front();
+  EXPECT_LT(kept.time.size(), 100u);
+  EXPECT_EQ(kept.time.back(), 4);
+  EXPECT_EQ(sampled_like({kept}, {taken}).front().value, sampled_like({made}, {taken}).front().value);
+  for (double& t : kept.time) t -= 0.5;
+  const Observation late = sampled_like({kept}, {taken}).front();
+  EXPECT_NEAR(late.value.back(), std::sin(taken.time.back() + 0.5), 1e-3);
+}
+
+TEST(SamplingTest, AProfileIsReadAtTheRecordedPlaces) {
+  Observation made, taken;
+  made.kind = taken.kind = ObservableKind::profile;
+  made.name = taken.name = "heap";
+  made.at = {0.1, 0.3, 0.5};
+  made.value = {5, 3, 1};
+  taken.at = {0.6, -0.2, 0, 0.4, 0.61, 0.3};
+  taken.value = {0, 0, 0, 0, 0, std::nan("")};
+  const Observation seen = sampled_like({made}, {taken}).front();
+  EXPECT_EQ(seen.at, (std::vector<double>{0, 0.2, 0.4, 0.6, 0.61}));
+  const std::vector<double> expected{5, 4, 2, 0, 0};  // level at the axis; the line goes on to the end of the last ring
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(seen.value[i], expected[i], 1e-12) << i;
 }
 
 TEST(BulkDataTest, RunsOfOneSettingAreUsedAsLongAsTheShortestLasts) {
