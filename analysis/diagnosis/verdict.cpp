@@ -60,6 +60,7 @@ void count_parameters_once(const std::vector<Evidence>& evidence, std::size_t be
   }
 }
 
+constexpr double as_good = 0.1;     // nats
 constexpr double comparable = 0.8;  // of the leader's share of what was left over: a rival explains as much as that, or fits held-out runs better
 
 /// Samples of one run share what is systematic in it; counted one by one they would make a winner of every rival.
@@ -112,6 +113,19 @@ std::size_t best_of_fitted_runs(const std::vector<Evidence>& evidence, double te
   return best;
 }
 
+/// Of explanations that are as good as each other, one that blames the measurement before one that needs physics: rounding must not decide.
+/// It is put first.
+std::size_t best_of(const std::vector<Evidence>& evidence, std::vector<double>& score) {
+  const auto best = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
+  if (best == 0 || all_of_site(evidence[best], EffectSite::measurement)) return best;
+  for (std::size_t i = 1; i < evidence.size(); ++i)
+    if (score[best] - score[i] < as_good && all_of_site(evidence[i], EffectSite::measurement)) {
+      score[i] = score[best] + 1e-9;  // nats
+      return i;
+    }
+  return best;
+}
+
 }  // namespace
 
 Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, double remaining_p, bool any_held_out) {
@@ -127,7 +141,7 @@ Verdict judge(const std::vector<Evidence>& evidence, double lack_of_fit_p, doubl
   for (int pass = 0; pass < 2; ++pass) {
     score.clear();
     for (const Evidence& e : evidence) score.push_back(worth(e, temper));
-    const auto best = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
+    const std::size_t best = best_of(evidence, score);
     verdict.best = static_cast<int>(best);
     temper = temper_of(evidence[best]);
   }

@@ -93,6 +93,16 @@ TEST(Verdict, IsUnknownWhereNothingExplainsTheMismatch) {
   expect_sums_to_one(little);
 }
 
+TEST(Verdict, OfTwoThatAreAsGoodTheMeasurementIsBlamedFirst) {
+  for (const double less : {0.0, 0.05}) {
+    const Verdict v = judge({model({}, -500, 3), model({"center_of_mass_offset"}, -100), model({"sensor_bias"}, -100 - less)}, 0.002, 0.5);
+    EXPECT_EQ(v.best, 2);
+    EXPECT_EQ(v.ranked.front().effects, std::vector<std::string>{"sensor_bias"});
+    EXPECT_EQ(v.word, "ambiguous");
+  }
+  EXPECT_EQ(judge({model({}, -500, 3), model({"center_of_mass_offset"}, -100), model({"sensor_bias"}, -100.5)}, 0.002, 0.5).best, 1);
+}
+
 TEST(Verdict, FittedRunsSpeakWhereHeldOutOnesDoNotShowTheMismatch) {
   const auto trained = [](Evidence e, double gain) {
     e.train_gain = gain;
