@@ -8,6 +8,9 @@
 /// values of each run (`own`), with which extended.yaml gives the stated score. `noise` gives for each observable `sd` (used), `stated` (by the bundle),
 /// `of_recordings` (before what a simulation's step may err by) and, where they differ, `why`. Effects of a candidate: first those that the scene lacks,
 /// then those whose constants it states. A suggested recording of small `power` is the best that was tried: none would do.
+/// `tested`: false where no effect would have shown, so that `none` says nothing. `held_out_p`: of the nominal's lack of fit in held-out runs, where that alone
+/// makes the verdict `none`, else null. `only_held_out`: held-out runs that the nominal plainly misses though it explains those that were fitted. `by_fitted_runs`: no held-out
+/// run shows the mismatch. With nothing held out `ranked` has no held-out likelihoods, `paired_p` is 1 and `effect_size` 0.
 #include <nlohmann/json.hpp>
 
 #include "analysis/diagnosis/diagnose.hpp"

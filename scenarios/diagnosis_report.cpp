@@ -188,7 +188,10 @@ Report diagnosis_report(const Diagnosis& d, const Bundle& bundle, const std::vec
     all.entries.emplace_back("noise of " + name + ", used", fmt::format("{}{}, correlation {:.2f}", three(noise.sd), unit_of(name), noise.phi));
     if (const std::string why = raised_noise_in_words(d, name); !why.empty()) all.entries.emplace_back("noise of " + name + ", why", why);
   }
-  r.sections.push_back({"How it was found", {std::move(all), Listing{d.best == 0 ? "extended.yaml: the scene as calibrated" : "extended.yaml: the scene with what was missing", d.extended_scene}}});
+  const std::string extended = d.best == 0                      ? "extended.yaml: the scene as calibrated"
+                               : d.verdict.word == "unknown" ? "extended.yaml: the scene with what comes nearest, which explains too little to be believed"
+                                                             : "extended.yaml: the scene with what was missing";
+  r.sections.push_back({"How it was found", {std::move(all), Listing{extended, d.extended_scene}}});
   return r;
 }
 
