@@ -54,9 +54,9 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Options& opti
 /// The command that goes on after an interruption.
 std::string same_command(const Options& options, const Own& own) {
   const Own usual;
-  std::string text = fmt::format("repose diagnose {} --out {} --seed {}", options.file.string(), options.out.string(), options.seed);
+  std::string text = fmt::format("repose diagnose '{}' --out '{}' --seed {}", options.file.string(), options.out.string(), options.seed);
   if (options.backend != Options{}.backend) text += " --backend " + options.backend;
-  if (!own.root.empty()) text += " --root " + own.root;
+  if (!own.root.empty()) text += " --root '" + own.root + "'";
   if (own.runs != usual.runs) text += fmt::format(" --runs {}", own.runs);
   if (own.held_out != usual.held_out) text += fmt::format(" --held-out-runs {}", own.held_out);
   if (!own.candidates.empty()) text += fmt::format(" --candidates {}", fmt::join(own.candidates, ","));
@@ -64,6 +64,7 @@ std::string same_command(const Options& options, const Own& own) {
   if (own.one_engine) text += " --one-engine";
   if (own.replicas != usual.replicas) text += fmt::format(" --replicas {}", own.replicas);
   if (options.allow_unsupported) text += " --allow-unsupported";
+  if (options.force) text += " --force";
   for (const Override& o : options.overrides) text += fmt::format(" --set '{}={}'", o.path, o.value);
   return text;
 }
@@ -141,7 +142,10 @@ int run_bulk(const Options& options, const Own& own, const Bundle& bundle, Progr
 void check_plausibility_of(Bundle& bundle, const Options& options) {
   Options how = options;
   how.allow_unsupported = true;  // what the backend lacks is told by the first simulation
-  for (const Finding& finding : prepare_quietly(bundle.scene, how).findings) bundle.warnings.push_back(fmt::format("nominal scene: {}: {}", finding.place, finding.message));
+  if (bundle.scene.layer || bundle.runs.empty()) return;  // its bed decides where the spreader and the grains are
+  // As the first run has it: what all runs set anew stands in the scene for nothing.
+  const Scene first = parse_scene(bundle.scene.text, bundle.scene_file.string(), bundle.runs.front().set, bundle.scene_file.parent_path());
+  for (const Finding& finding : prepare_quietly(first, how).findings) bundle.warnings.push_back(fmt::format("nominal scene: {}: {}", finding.place, finding.message));
 }
 
 int run(const Options& options, const Own& own) {

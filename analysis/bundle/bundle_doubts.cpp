@@ -116,9 +116,9 @@ void doubt_start_values(const Bundle& bundle, std::vector<std::string>& doubts) 
       for (const Observation& o : run.observations) {
         if (!key.starts_with("bodies." + o.body + ".")) continue;
         placed = true;
-        turned = turned || !o.orientation.empty();
+        turned = turned || !o.orientation.empty() ||
+                 (key.ends_with(".angular_velocity") && o.kind == ObservableKind::trajectory && path_shows_spin(bundle.scene));
       }
-      turned = turned || (key.ends_with(".angular_velocity") && path_shows_spin(bundle.scene));
       const bool turning = key.ends_with(".orientation") || key.ends_with(".angular_velocity");
       if (!placed || (turning && !turned)) unseen[key].push_back(run.id);
     }

@@ -82,7 +82,7 @@ std::vector<std::string> stray_samples(const Observation& o) {
       if (jumps_and_returns(bend, i, usually) && strays++ == 0) first_stray = i;
   }
   const double way = usual_way(o);
-  for (std::size_t i = 1; i < o.position.size(); ++i)
+  for (std::size_t i = 1; i < o.position.size() && way > 0; ++i)  // a body that mostly rests may do so at zero
     if (zero(o.position[i]) && (zero(o.position[i - 1]) ? zeros > 0 : observed(o.position[i - 1]).norm() > far_away * way))
       if (zeros++ == 0) first_zero = i;
   if (zeros > 0)

@@ -171,7 +171,9 @@ void read_at_equal_places(Bundle& bundle, const std::vector<std::size_t>& group,
   const double plate = plate_of(bundle, bundle.runs[group.front()].set), end = std::min(s.end, plate);
   const auto first_to_end = std::find_if(profiles.begin(), profiles.end(), [&](const auto& p) { return p.second.at.back() == s.end; });
   std::vector<double> places = first_to_end->second.at;
-  std::erase_if(places, [&](double r) { return r > plate; });
+  // Hardly any place on the plate: other units, which are asked for where summaries are compared, and not a longer sight.
+  constexpr std::ptrdiff_t fewest_places = 4;
+  if (std::count_if(places.begin(), places.end(), [&](double r) { return r <= plate; }) >= fewest_places) std::erase_if(places, [&](double r) { return r > plate; });
   for (const auto& [i, profile] : profiles) {
     if (profile.at.back() > longer * end) s.cut.push_back(bundle.runs[i].id);
     if (profile.at == places) continue;

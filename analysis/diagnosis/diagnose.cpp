@@ -393,7 +393,7 @@ class Diagnosing {
       if (best == 0 || best == leading) break;
       leading = best;
     }
-    if (result_.verdict.word != "none" && by_chance(search)) result_.verdict = judge(evidence, 1, result_.remaining_p, !held_.empty());
+    if (result_.verdict.word != "none" && result_.only_held_out.empty() && by_chance(search)) result_.verdict = judge(evidence, 1, result_.remaining_p, !held_.empty());
     if (!result_.tested)
       for (Ranked& r : result_.verdict.ranked) r.probability = r.model == 0 || r.model < 0 ? 0.5 : 0;
   }

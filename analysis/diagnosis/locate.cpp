@@ -252,6 +252,7 @@ class Locating {
         if (probe.basis.cols() == 0) continue;
         for (const std::size_t e : {m, n}) {
           entries_[e].deviate = std::max(entries_[e].deviate, deviate_of(probe));
+          entries_[e].strength = std::max(entries_[e].strength, strength_of(probe));
           for (std::size_t w = first_window_; w < windows_.size(); ++w)
             if (windows_[w].first == e) windows_[w].strength = std::max(windows_[w].strength, strength_of(probe));
         }

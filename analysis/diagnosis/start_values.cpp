@@ -176,7 +176,7 @@ std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, 
         // Seen by what it does to the path: as large as makes the body roll, or as the scene has it.
         if (is("angular_velocity") && observed != nullptr && !seen.orientation && path_shows_spin(scene)) {
           const double scale = std::max(body.angular_velocity.norm(), seen.speed / scene.shapes.at(body.shape).bounding_radius);
-          add("angular_velocity", Parameter::Use::scene, k, body.angular_velocity[k], 2 * steps_of_spin * scale, scale);
+          if (scale > 0) add("angular_velocity", Parameter::Use::scene, k, body.angular_velocity[k], 2 * steps_of_spin * scale, scale);  // what never moves shows no spin
         }
         // Seen through a series only: from where the scene starts.
         if (is("position") && observed == nullptr) add("position", Parameter::Use::scene, k, body.position[k], 1e-3, 0);
@@ -195,7 +195,7 @@ std::vector<StartContradiction> contradictions(const std::vector<Parameter>& sta
   std::map<std::string, StartContradiction> found;
   std::map<std::string, double> doubt;  // squares
   for (const Parameter& p : start) {
-    if (p.use != Parameter::Use::scene || p.component < 0 || !std::isfinite(p.told) || !std::isfinite(p.read)) continue;
+    if (p.use != Parameter::Use::scene || p.component < 0 || !p.key.ends_with("velocity") || !std::isfinite(p.told) || !std::isfinite(p.read)) continue;
     StartContradiction& c = found.try_emplace(p.key, StartContradiction{p.key, Vec3::Zero(), Vec3::Zero()}).first->second;
     c.read[p.component] = p.read;
     c.told[p.component] = p.told;

@@ -16,7 +16,7 @@ namespace repose::diagnosis {
 /// a positive number.
 std::vector<Parameter> start_values(const BundleRun& run, const YamlNode& tree, const std::map<std::string, double>& noise);
 
-/// A start vector that the samples and the scene contradict each other about.
+/// A start velocity or spin that the samples and the scene contradict each other about.
 struct StartContradiction {
   std::string key;
   Vec3 read, told;

@@ -117,7 +117,7 @@ std::size_t best_of_fitted_runs(const std::vector<Evidence>& evidence, double te
 /// It is put first.
 std::size_t best_of(const std::vector<Evidence>& evidence, std::vector<double>& score) {
   const auto best = static_cast<std::size_t>(std::max_element(score.begin(), score.end()) - score.begin());
-  if (best == 0 || all_of_site(evidence[best], EffectSite::measurement)) return best;
+  if (best == 0 || all_of_site(evidence[best], EffectSite::measurement) || all_of_site(evidence[best], EffectSite::numerics)) return best;
   for (std::size_t i = 1; i < evidence.size(); ++i)
     if (score[best] - score[i] < as_good && all_of_site(evidence[i], EffectSite::measurement)) {
       score[i] = score[best] + 1e-9;  // nats
